@@ -1,0 +1,148 @@
+//! The five together: one tick of shared control.
+
+use crate::action::Action;
+use crate::arbitration::{Arbiter, Likeness, Pick, Stage};
+use crate::intent::{Belief, IntentModel, NearestGoal};
+use crate::pilot::Pilot;
+use crate::plant::{Plant, Step};
+use crate::value::{ActionValues, NoOpinion, ValueModel};
+use serde::{Deserialize, Serialize};
+
+/// The assisting side: what infers intent, estimates values and arbitrates.
+pub struct Cockpit {
+    intent: Box<dyn IntentModel>,
+    values: Box<dyn ValueModel>,
+    arbiter: Box<dyn Arbiter>,
+    silence: Silence,
+    likeness: Vec<Likeness>,
+    allowed: Vec<bool>,
+}
+
+/// What the shared modes carry out when the pilot asks for nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Silence {
+    /// The co-pilot's best action, as in the paper (end of Section III-C).
+    #[default]
+    Best,
+    /// Nothing.
+    Nothing,
+}
+
+/// One tick, every stage of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick<'a> {
+    /// Ticks since the episode began.
+    pub tick: u32,
+    /// What the pilot asked for.
+    pub asked: Option<Action>,
+    /// What the co-pilot believed about the pilot's goal.
+    pub belief: Belief,
+    /// What every candidate was worth for the inferred goal.
+    pub values: &'a ActionValues,
+    /// Which candidates passed the rule's threshold (A_threshold), in their order.
+    pub allowed: &'a [bool],
+    /// What reached the plant.
+    pub executed: Option<Action>,
+    /// How that differs from what was asked; `None` if nothing was.
+    pub intervention: Option<Intervention>,
+    /// What it brought.
+    pub step: Step,
+}
+
+/// How what was carried out differs from what was asked, at a tick at which something was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Intervention {
+    /// The plant is left set differently: this is what counts as an intervention.
+    pub effective: bool,
+    /// Another label, though perhaps with the same effect.
+    pub nominal: bool,
+    /// The opposite: similarity −1 (for axes: more against than along).
+    pub opposed: bool,
+}
+
+impl Cockpit {
+    /// A co-pilot made of its three parts.
+    pub fn new(intent: Box<dyn IntentModel>, values: Box<dyn ValueModel>, arbiter: Box<dyn Arbiter>) -> Self {
+        Self { intent, values, arbiter, silence: Silence::Best, likeness: Vec::new(), allowed: Vec::new() }
+    }
+
+    /// A cockpit in which nobody helps: no inference, no opinion, the given rule.
+    pub fn unassisted(plant: &dyn Plant, arbiter: Box<dyn Arbiter>) -> Self {
+        Self::new(Box::new(NearestGoal), Box::new(NoOpinion::new(plant.space())), arbiter)
+    }
+
+    /// The same with another answer to silence.
+    pub fn with_silence(mut self, silence: Silence) -> Self {
+        self.silence = silence;
+        self
+    }
+
+    /// Begins an episode.
+    pub fn begin(&mut self) {
+        self.intent.begin();
+    }
+
+    /// One tick: the pilot asks; the co-pilot infers the intent and estimates values for it; arbitration decides; the
+    /// plant moves.
+    pub fn tick(&mut self, plant: &mut dyn Plant, pilot: &mut dyn Pilot) -> Tick<'_> {
+        let view = plant.view();
+        let tick = view.tick;
+        let asked = pilot.ask(&view, plant.pilot_goal());
+        let belief = self.intent.infer(&view, asked);
+        let values = self.values.estimate(&view, belief.goal, asked);
+        let executed = if asked.is_none() && self.silence == Silence::Nothing {
+            self.allowed.clear();
+            self.allowed.resize(values.candidates().len(), true);
+            None
+        } else {
+            compare(plant, values, asked, &mut self.likeness);
+            self.allowed.clear();
+            self.allowed.resize(values.candidates().len(), false);
+            let likeness = asked.map(|_| self.likeness.as_slice());
+            let stage = Stage { values, likeness, confidence: belief.confidence };
+            carry_out(self.arbiter.decide(&stage, &mut self.allowed), plant, values, asked)
+        };
+        let intervention = asked.map(|asked| intervention(plant, executed, asked));
+        let step = plant.step(executed);
+        Tick { tick, asked, belief, values, allowed: &self.allowed, executed, intervention, step }
+    }
+}
+
+fn compare(plant: &dyn Plant, values: &ActionValues, asked: Option<Action>, likeness: &mut Vec<Likeness>) {
+    likeness.clear();
+    let Some(asked) = asked else { return };
+    let wanted = plant.effect(Some(asked));
+    likeness.extend(values.candidates().iter().map(|&candidate| Likeness {
+        similarity: plant.similarity(candidate, asked),
+        same_label: candidate == asked,
+        same_effect: plant.effect(Some(candidate)) == wanted,
+    }));
+}
+
+fn carry_out(pick: Pick, plant: &dyn Plant, values: &ActionValues, asked: Option<Action>) -> Option<Action> {
+    match pick {
+        Pick::Nothing => None,
+        Pick::Asked => asked,
+        Pick::Candidate(index) => Some(values.candidates()[index]),
+        Pick::Blend { robot, weight } => {
+            let robot = values.candidates()[robot];
+            let heavier = |asked| if weight > 0.5 { robot } else { asked };
+            Some(asked.map_or(robot, |asked| {
+                plant.space().blend(robot, asked, weight).unwrap_or_else(|| heavier(asked))
+            }))
+        }
+    }
+}
+
+fn intervention(plant: &dyn Plant, executed: Option<Action>, asked: Action) -> Intervention {
+    let against = |executed: Action| match (executed, asked) {
+        (Action::Axes(a), Action::Axes(b)) => a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>() < 0.0,
+        _ => plant.similarity(executed, asked) <= -1.0,
+    };
+    Intervention {
+        effective: plant.effect(executed) != plant.effect(Some(asked)),
+        nominal: executed != Some(asked),
+        opposed: executed.is_some_and(against),
+    }
+}
