@@ -3,7 +3,8 @@
 mod rules;
 
 pub use rules::{
-    ConstantTolerance, HumanAlone, Linear, MinimalIntervention, RegretThreshold, RobotAlone, Rule, RuleError,
+    ConstantTolerance, DEFAULT_KAPPA, HumanAlone, Linear, MinimalIntervention, RegretThreshold, RobotAlone,
+    Rule, RuleError,
 };
 
 use crate::value::ActionValues;

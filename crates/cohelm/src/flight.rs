@@ -1,1 +1,165 @@
-//! Being written.
+//! Whole episodes: flown by keys as the page flies them and the server follows them, flown by a simulated pilot, and
+//! flown again from their record.
+
+use crate::cockpit::{Cockpit, Tick};
+use crate::keys::{Change, KeyEvent, Keyboard};
+use crate::pilot::{Pilot, Recorded};
+use crate::plant::{Ending, Plant};
+use crate::trajectory::{Digests, MAX_EVENTS, Recorder, Setup, Trajectory, plant_digest};
+
+/// An episode that a person flies. The same changes before the same ticks give the same bits, in the page that flies
+/// it and in the server that follows it.
+pub struct Flight {
+    setup: Setup,
+    plant: Box<dyn Plant>,
+    cockpit: Cockpit,
+    keyboard: Keyboard,
+    keys: Vec<KeyEvent>,
+    recorder: Recorder,
+}
+
+impl Flight {
+    /// Begins the episode of `setup` with a plant made from its task and a cockpit made from its rule and models.
+    pub fn new(setup: Setup, mut plant: Box<dyn Plant>, mut cockpit: Cockpit) -> Self {
+        plant.reset(setup.seed);
+        cockpit.begin();
+        let keyboard = Keyboard::new(plant.space());
+        let recorder = Recorder::new(plant.as_ref());
+        Self { setup, plant, cockpit, keyboard, keys: Vec::new(), recorder }
+    }
+
+    /// A key or stick changed; it takes effect at the next tick. Once the log is full nothing more is taken in.
+    pub fn change(&mut self, change: Change, at_ms: f32) {
+        if self.keys.len() < MAX_EVENTS && self.recorder.ending().is_none() {
+            self.keyboard.change(change);
+            self.keys.push(KeyEvent { tick: self.ticks(), change, at_ms });
+        }
+    }
+
+    /// Flies one tick; `None` once the episode has ended.
+    pub fn tick(&mut self) -> Option<Tick<'_>> {
+        if self.recorder.ending().is_some() {
+            return None;
+        }
+        let tick = self.cockpit.tick(self.plant.as_mut(), &mut self.keyboard);
+        self.recorder.note(&tick, self.plant.as_ref());
+        Some(tick)
+    }
+
+    /// Ticks flown.
+    pub fn ticks(&self) -> u32 {
+        self.recorder.ticks() as u32
+    }
+
+    /// How the episode ended, if it did.
+    pub fn ending(&self) -> Option<Ending> {
+        self.recorder.ending()
+    }
+
+    /// Digests of all bits so far.
+    pub fn digests(&self) -> Digests {
+        self.recorder.digests()
+    }
+
+    /// What fixed the episode.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// The plant as it is now.
+    pub fn plant(&self) -> &dyn Plant {
+        self.plant.as_ref()
+    }
+
+    /// The key log so far.
+    pub fn keys(&self) -> &[KeyEvent] {
+        &self.keys
+    }
+
+    /// The record; an episode that had not ended is abandoned.
+    pub fn finish(self) -> Trajectory {
+        self.recorder.finish(self.setup, self.keys)
+    }
+}
+
+/// Flies a whole episode with a simulated pilot, whose own seed is `pilot_seed`; `each` sees every tick and the plant
+/// after it.
+pub fn fly(
+    setup: Setup,
+    plant: &mut dyn Plant,
+    cockpit: &mut Cockpit,
+    (pilot, pilot_seed): (&mut dyn Pilot, u64),
+    mut each: impl FnMut(&Tick<'_>, &dyn Plant),
+) -> Trajectory {
+    plant.reset(setup.seed);
+    cockpit.begin();
+    pilot.begin(pilot_seed);
+    let mut recorder = Recorder::new(plant);
+    while recorder.ending().is_none() {
+        let tick = cockpit.tick(plant, pilot);
+        recorder.note(&tick, plant);
+        each(&tick, plant);
+    }
+    recorder.finish(setup, Vec::new())
+}
+
+/// What flying an episode again from its record showed. `None` stands for what could not be checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Replay {
+    /// What was carried out leads through the same states and rewards to the same ending, bit for bit.
+    pub plant_identical: bool,
+    /// What was asked leads to the same beliefs, values and executed actions, bit for bit.
+    pub decisions_identical: Option<bool>,
+    /// The key log gives the same requests.
+    pub requests_identical: Option<bool>,
+}
+
+impl Replay {
+    /// True if nothing that was checked differed.
+    pub fn identical(&self) -> bool {
+        self.plant_identical
+            && self.decisions_identical != Some(false)
+            && self.requests_identical != Some(false)
+    }
+}
+
+/// Flies a recorded episode again and compares: the plant from what was carried out, the decisions from what was asked
+/// (if there is a cockpit to make them), the requests from the keys (if a person pressed any).
+pub fn replay(trajectory: &Trajectory, plant: &mut dyn Plant, cockpit: Option<&mut Cockpit>) -> Replay {
+    plant.reset(trajectory.setup.seed);
+    let (digest, ending) = plant_digest(plant, &trajectory.executed);
+    let ended_alike = ending.unwrap_or(Ending::Abandoned) == trajectory.ending;
+    let decisions_identical = cockpit.map(|cockpit| same_decisions(trajectory, plant, cockpit));
+    let person = trajectory.setup.pilot == "person";
+    Replay {
+        plant_identical: ended_alike && digest == trajectory.digests.plant,
+        decisions_identical,
+        requests_identical: person.then(|| same_requests(trajectory, plant)),
+    }
+}
+
+fn same_decisions(trajectory: &Trajectory, plant: &mut dyn Plant, cockpit: &mut Cockpit) -> bool {
+    plant.reset(trajectory.setup.seed);
+    cockpit.begin();
+    let mut pilot = Recorded::new(&trajectory.asked);
+    let mut recorder = Recorder::new(plant);
+    for &executed in &trajectory.executed {
+        let tick = cockpit.tick(plant, &mut pilot);
+        if tick.executed != executed {
+            return false;
+        }
+        recorder.note(&tick, plant);
+    }
+    recorder.digests().decisions == trajectory.digests.decisions
+}
+
+fn same_requests(trajectory: &Trajectory, plant: &dyn Plant) -> bool {
+    let mut keyboard = Keyboard::new(plant.space());
+    let mut events = trajectory.keys.iter().peekable();
+    trajectory.asked.iter().enumerate().all(|(tick, &asked)| {
+        while let Some(event) = events.next_if(|event| event.tick as usize <= tick) {
+            keyboard.change(event.change);
+        }
+        keyboard.next_request() == asked
+    })
+}

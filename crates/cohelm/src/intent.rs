@@ -103,6 +103,44 @@ impl Head {
     }
 }
 
+/// Where the belief about the goal comes from, as options, files and records name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Inference {
+    /// From nothing: [`NearestGoal`].
+    Nearest,
+    /// Told from outside: [`KnownGoal`]. For demonstrations and for measuring values alone.
+    Known,
+    /// A network under [`Head::InverseDistance`].
+    InverseDistance,
+    /// A network under [`Head::Softmax`].
+    Softmax,
+    /// A network under [`Head::Calibrated`].
+    Calibrated,
+}
+
+impl Inference {
+    /// The head it needs a network for, if it does.
+    pub fn head(self) -> Option<Head> {
+        match self {
+            Self::Nearest | Self::Known => None,
+            Self::InverseDistance => Some(Head::InverseDistance),
+            Self::Softmax => Some(Head::Softmax),
+            Self::Calibrated => Some(Head::Calibrated),
+        }
+    }
+}
+
+impl From<Head> for Inference {
+    fn from(head: Head) -> Self {
+        match head {
+            Head::InverseDistance => Self::InverseDistance,
+            Head::Softmax => Self::Softmax,
+            Head::Calibrated => Self::Calibrated,
+        }
+    }
+}
+
 /// Distance, in normalised units, over which the softmax head's probability falls to 1/e: smaller makes the confidence
 /// jump between 0 and 1, larger makes it as flat as inverse distances.
 pub const SOFTMAX_TEMPERATURE: f32 = 0.15;

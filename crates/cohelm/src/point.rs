@@ -134,8 +134,8 @@ impl ValueModel for PointValues {
     fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
         self.0.set_candidate(9, asked.unwrap_or(Action::Axes([0.0; 4])));
         let wanted = view.goals.get(goal).map_or(view.position, |goal| goal.position);
-        let ideal =
-            [0, 1].map(|i| (4.0 * (wanted[i] - view.position[i]) - 4.0 * view.state[2 + i]).clamp(-1.0, 1.0));
+        let ideal = [0, 1]
+            .map(|i| (10.0 * (wanted[i] - view.position[i]) - 6.0 * view.state[2 + i]).clamp(-1.0, 1.0));
         let mut values = [0.0; 10];
         for (value, candidate) in values.iter_mut().zip(self.0.candidates()) {
             *value = -libm::hypotf(candidate.axis(0) - ideal[0], candidate.axis(1) - ideal[1]);
