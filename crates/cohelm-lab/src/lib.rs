@@ -1,1 +1,9 @@
-//! Being written.
+#![forbid(unsafe_code)]
+//! Experiments with simulated pilots: evaluate a co-pilot, reproduce the paper.
+//!
+//! Simulated pilots are models, never presented as people. Names no plant and no pilot of its own: whoever runs an
+//! experiment hands in how to make them. The same numbers come out for any number of threads.
+
+pub mod episode;
+pub mod experiment;
+pub mod parallel;

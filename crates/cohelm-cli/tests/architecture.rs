@@ -1,0 +1,67 @@
+//! ARCHITECTURE.md says what depends on what; the manifests must agree.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The code map: for each crate, which of ours it depends on.
+fn map() -> BTreeMap<String, BTreeSet<String>> {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("| `cohelm"));
+    let cells = |row: &str| row.split('|').map(|cell| cell.trim().to_string()).collect::<Vec<_>>();
+    let mut map: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for row in rows.map(cells) {
+        let names = row[4].split('`').skip(1).step_by(2).map(String::from).collect();
+        map.insert(row[1].trim_matches('`').into(), names);
+    }
+    let everything: BTreeSet<String> =
+        map.keys().filter(|name| !["cohelm-page", "cohelm-cli"].contains(&name.as_str())).cloned().collect();
+    map.insert("cohelm-cli".into(), everything);
+    map
+}
+
+/// What a manifest's `[dependencies]` (not those of tests) names of ours.
+fn dependencies(manifest: &Path) -> BTreeSet<String> {
+    let text = fs::read_to_string(manifest).unwrap();
+    let section = text.split("\n[").find(|section| section.starts_with("dependencies]")).unwrap_or("");
+    let names = section.lines().filter_map(|line| line.split(['.', ' ', '=']).next());
+    names.filter(|name| name.starts_with("cohelm")).map(String::from).collect()
+}
+
+#[test]
+fn the_code_map_agrees_with_the_manifests() {
+    let folders = fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path());
+    let manifests: BTreeMap<String, BTreeSet<String>> = folders
+        .map(|path| (path.file_name().unwrap().to_string_lossy().into(), dependencies(&path.join("Cargo.toml"))))
+        .collect();
+    assert_eq!(manifests, map());
+}
+
+#[test]
+fn the_code_map_names_every_folder() {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let is_ours = |name: &str| !name.starts_with('.') && !["target", "node_modules"].contains(&name);
+    for entry in fs::read_dir(root()).unwrap().map(Result::unwrap) {
+        let name = entry.file_name().to_string_lossy().to_string();
+        let tracked = entry.path().is_dir() && is_ours(&name) && !name.starts_with("reproduce");
+        assert!(!tracked || text.contains(&format!("`{name}/`")), "ARCHITECTURE.md does not name {name}/");
+    }
+}
+
+#[test]
+fn the_architecture_stays_within_one_reading() {
+    let lines = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap().lines().count();
+    assert!(lines <= 150, "ARCHITECTURE.md has {lines} lines; at most 150 are promised");
+}
+
+#[test]
+fn only_the_binary_and_the_page_name_a_plant() {
+    for (name, needs) in map() {
+        let may = ["cohelm-cli", "cohelm-page"].contains(&name.as_str());
+        assert!(may || !needs.contains("cohelm-lander"), "{name} must not depend on a plant");
+    }
+}

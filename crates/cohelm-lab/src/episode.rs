@@ -1,0 +1,99 @@
+//! What is measured of one episode, from its ticks alone.
+
+use cohelm::action::Action;
+use cohelm::cockpit::Tick;
+use cohelm::plant::{Ending, Plant};
+use serde::Serialize;
+
+/// One episode's measures: a row of the per-episode table.
+///
+/// Shares of interventions count ticks at which the pilot asked for something.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EpisodeMeasures {
+    /// How it ended: exactly one event.
+    pub ending: Ending,
+    /// Ticks it lasted.
+    pub steps: u32,
+    /// Sum of the plant's rewards.
+    pub reward: f64,
+    /// Ticks at which the pilot asked for something: the paper's "inputs" of a held key that repeats.
+    pub ticks_with_command: u32,
+    /// Keys pressed.
+    pub key_presses: u32,
+    /// Ticks with a command a second of real time at time scale 1.
+    pub commands_per_second: f64,
+    /// Share of ticks with a command after which the plant was set differently than asked; 0 if nothing was asked.
+    pub interventions: f64,
+    /// Share of ticks with a command at which another label was carried out.
+    pub nominal_interventions: f64,
+    /// Share of ticks with a command at which the opposite was carried out.
+    pub opposed: f64,
+    /// Share of ticks at which the inferred goal was the pilot's own.
+    pub goal_accuracy: f64,
+    /// Whether the inferred goal was the pilot's own at the middle tick.
+    pub goal_right_midway: bool,
+    /// Whether it was at the last tick.
+    pub goal_right_at_end: bool,
+    /// Mean of c over all ticks.
+    pub mean_confidence: f64,
+    /// Ticks after which the plant was set differently than before: how restless it was made.
+    pub switches: u32,
+}
+
+/// Collects an episode's measures tick by tick.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    goals_right: Vec<bool>,
+    asked: u32,
+    effective: u32,
+    nominal: u32,
+    opposed: u32,
+    switches: u32,
+    setting: Option<(u8, Option<Action>)>,
+    reward: f64,
+    confidence: f64,
+    ending: Option<Ending>,
+}
+
+impl Tally {
+    /// Takes one tick in; the plant is as the tick left it.
+    pub fn note(&mut self, tick: &Tick<'_>, plant: &dyn Plant) {
+        self.goals_right.push(tick.belief.goal == plant.pilot_goal());
+        self.confidence += f64::from(tick.belief.confidence);
+        self.reward += tick.step.reward;
+        self.ending = tick.step.ending;
+        let remembers = plant.space().switch_count() > 0;
+        let setting = (plant.view().switches, if remembers { None } else { tick.executed });
+        self.switches += u32::from(self.setting.is_some_and(|before| before != setting));
+        self.setting = Some(setting);
+        if let Some(intervention) = tick.intervention {
+            self.asked += 1;
+            self.effective += u32::from(intervention.effective);
+            self.nominal += u32::from(intervention.nominal);
+            self.opposed += u32::from(intervention.opposed);
+        }
+    }
+
+    /// The measures of the finished episode. `key_presses` and the plant's tick rate come from outside the ticks.
+    pub fn finish(&self, key_presses: u32, ticks_per_second: f64) -> EpisodeMeasures {
+        let steps = self.goals_right.len();
+        let of_asked = |count: u32| if self.asked == 0 { 0.0 } else { f64::from(count) / f64::from(self.asked) };
+        let of_steps = |sum: f64| if steps == 0 { 0.0 } else { sum / steps as f64 };
+        EpisodeMeasures {
+            ending: self.ending.unwrap_or(Ending::Abandoned),
+            steps: steps as u32,
+            reward: self.reward,
+            ticks_with_command: self.asked,
+            key_presses,
+            commands_per_second: of_steps(f64::from(self.asked)) * ticks_per_second,
+            interventions: of_asked(self.effective),
+            nominal_interventions: of_asked(self.nominal),
+            opposed: of_asked(self.opposed),
+            goal_accuracy: of_steps(self.goals_right.iter().filter(|right| **right).count() as f64),
+            goal_right_midway: self.goals_right.get(steps / 2).copied().unwrap_or(false),
+            goal_right_at_end: self.goals_right.last().copied().unwrap_or(false),
+            mean_confidence: of_steps(self.confidence),
+            switches: self.switches,
+        }
+    }
+}
