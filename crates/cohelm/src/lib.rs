@@ -8,6 +8,8 @@
 //! | [`plant`] | what is steered: its state, goals, endings and optional capabilities |
 //! | [`action`] | one action, and the sets of actions a plant may take |
 //! | [`pilot`] | who asks: a person at keys, or a model of one |
+//! | [`human`] | a person, simulated, over the skill that a plant supplies |
+//! | [`impaired`] | pilots that know every value, made to lag or stray |
 //! | [`keys`] | from keys and sticks to one request a tick |
 //! | [`intent`] | which goal the pilot wants, and how sure that is |
 //! | [`value`] | what every action is worth for that goal |
@@ -28,6 +30,8 @@ pub mod action;
 pub mod arbitration;
 pub mod cockpit;
 pub mod flight;
+pub mod human;
+pub mod impaired;
 pub mod intent;
 pub mod keys;
 pub mod pilot;

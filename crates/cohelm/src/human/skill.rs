@@ -1,7 +1,5 @@
 //! What a plant has to say about how it is steered by hand.
 
-use std::ops::Range;
-
 /// What a trained person knows about steering one plant: what there is to attend to, what each key is for, and how far
 /// off everything is.
 ///
@@ -25,7 +23,7 @@ pub struct Seen<'a> {
     pub goal: [f64; 2],
 }
 
-/// What a pilot of one plant attends to, presses and sees.
+/// What a pilot of one plant attends to, presses and sees. A component that the state lacks is not seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// What is attended to, one at a time.
@@ -101,17 +99,9 @@ impl Plan {
         state.get(component).map(|&shown| shown > 0.5)
     }
 
-    /// The first index that the plan names beyond its range, with what it indexes: controls in `controls`, components
-    /// of the state in `components`.
-    pub(super) fn beyond(&self, controls: usize, components: Option<usize>) -> Option<(&'static str, usize)> {
-        let outside = |what, index: usize, range: Range<usize>| (!range.contains(&index)).then_some((what, index));
-        let keys = self.axes.iter().flat_map(|axis| [axis.plus, axis.minus]).flatten();
-        let key = keys.map(usize::from).find_map(|key| outside("control", key, 0..controls));
-        let moved = self.motions.iter().flat_map(|motion| [motion.place, motion.speed]);
-        let named = moved.chain(self.shown.iter().copied().flatten());
-        key.or_else(|| {
-            let components = 0..components.unwrap_or(usize::MAX);
-            named.into_iter().find_map(|index| outside("component of the state", index, components.clone()))
-        })
+    /// A control that the plan names though there are only so many.
+    pub(super) fn missing_control(&self, controls: usize) -> Option<u8> {
+        let mut named = self.axes.iter().flat_map(|axis| [axis.plus, axis.minus]).flatten();
+        named.find(|&control| usize::from(control) >= controls)
     }
 }

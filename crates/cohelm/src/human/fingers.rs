@@ -1,0 +1,147 @@
+//! The fingers on the keys: what is down, since when, and what may come up.
+
+use super::perception::Moment;
+use super::skill::Plan;
+use super::traits::Traits;
+use crate::action::{Action, ActionSpace};
+use crate::keys::{Change, Keyboard, controls};
+use crate::pilot::Pilot;
+use crate::random::Draws;
+
+/// A key that is down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Finger {
+    control: u8,
+    held_ticks: u32,
+    /// To be let go as soon as that is possible.
+    leaving: bool,
+    /// Hit by mistake.
+    slipped: bool,
+    /// The control was asked for, so that it should work from now on.
+    asked: bool,
+    /// It has been seen working.
+    seen_working: bool,
+}
+
+/// The fingers of one pilot over a keyboard, which turns what is held into requests exactly as it does for a person.
+#[derive(Clone, Debug)]
+pub(super) struct Fingers {
+    space: ActionSpace,
+    controls: u8,
+    keyboard: Keyboard,
+    down: Vec<Finger>,
+}
+
+impl Fingers {
+    pub(super) fn new(space: &ActionSpace) -> Self {
+        let controls = controls(space).len() as u8;
+        Self { space: space.clone(), controls, keyboard: Keyboard::new(space), down: Vec::new() }
+    }
+
+    pub(super) fn begin(&mut self) {
+        self.keyboard = Keyboard::new(&self.space);
+        self.down.clear();
+    }
+
+    pub(super) fn presses(&self) -> u32 {
+        self.keyboard.key_presses()
+    }
+
+    /// The controls that are down, the longest held first.
+    pub(super) fn held(&self) -> impl Iterator<Item = u8> + '_ {
+        self.down.iter().map(|finger| finger.control)
+    }
+
+    /// True while a finger is on its way up, or on a wrong key: the pilot presses nothing else meanwhile.
+    pub(super) fn busy(&self) -> bool {
+        self.down.iter().any(|finger| finger.slipped || finger.leaving)
+    }
+
+    /// True once a held key may come up: it was down for long enough, and a pilot that insists has seen it working or
+    /// has lost patience.
+    pub(super) fn may_release(&self, control: u8, traits: &Traits) -> bool {
+        self.finger(control).is_some_and(|finger| finger.may_release(traits))
+    }
+
+    /// A key that wants to come up and may.
+    pub(super) fn due(&self, traits: &Traits) -> Option<u8> {
+        let due = |finger: &&Finger| (finger.leaving || finger.slipped) && finger.may_release(traits);
+        self.down.iter().find(due).map(|finger| finger.control)
+    }
+
+    /// From now on a key wants to come up.
+    pub(super) fn leave(&mut self, control: u8) {
+        let finger = self.down.iter_mut().find(|finger| finger.control == control);
+        finger.into_iter().for_each(|finger| finger.leaving = true);
+    }
+
+    /// Presses a key, or with the pilot's rate of slips one of the others that are up.
+    pub(super) fn press(&mut self, wanted: u8, traits: &Traits, draws: &mut Draws) {
+        let slips = draws.chance(traits.wrong_key);
+        let up = |&control: &u8| control != wanted && self.finger(control).is_none();
+        let others: Vec<u8> = (0..self.controls).filter(up).collect();
+        let slipped = slips && !others.is_empty();
+        let control = if slipped { others[draws.below(others.len())] } else { wanted };
+        self.keyboard.change(Change::Down(control));
+        let (held_ticks, leaving, asked, seen_working) = (0, false, false, false);
+        self.down.push(Finger { control, held_ticks, leaving, slipped, asked, seen_working });
+    }
+
+    /// Lets a key go.
+    pub(super) fn release(&mut self, control: u8) {
+        self.keyboard.change(Change::Up(control));
+        self.down.retain(|finger| finger.control != control);
+    }
+
+    /// Looks whether what is down works.
+    pub(super) fn watch(&mut self, moment: &Moment, plan: &Plan) {
+        for finger in &mut self.down {
+            finger.seen_working |= plan.works(finger.control, &moment.state) == Some(true);
+        }
+    }
+
+    /// What the keys ask for now.
+    pub(super) fn ask(&mut self) -> Option<Action> {
+        let asked = self.keyboard.next_request();
+        let command = asked.and_then(|action| action.command());
+        for finger in &mut self.down {
+            let control = usize::from(finger.control);
+            finger.held_ticks += 1;
+            match self.space {
+                ActionSpace::Switches { .. } => finger.asked |= command == Some(2 * control),
+                ActionSpace::Single { .. } => finger.asked = command == Some(control + 1),
+                ActionSpace::Levers { .. } | ActionSpace::Axes { .. } => finger.asked = true,
+            }
+        }
+        asked
+    }
+
+    /// The controls that should be working by what was asked, one bit each.
+    pub(super) fn expected(&self) -> u64 {
+        self.down.iter().filter(|finger| finger.asked).fold(0, |bits, finger| bits | bit(finger.control))
+    }
+
+    fn finger(&self, control: u8) -> Option<&Finger> {
+        self.down.iter().find(|finger| finger.control == control)
+    }
+}
+
+impl Finger {
+    fn may_release(&self, traits: &Traits) -> bool {
+        let held = self.held_ticks >= traits.hold_ticks.max(1);
+        held && (self.slipped || self.seen_working || self.held_ticks >= traits.insist_ticks)
+    }
+}
+
+/// True if a pilot that saw this moment saw a key disobeyed: it should have been working and was not, or its opposite
+/// worked.
+pub(super) fn conflict(moment: &Moment, plan: &Plan) -> bool {
+    let works = |control| plan.works(control, &moment.state);
+    let disobeyed =
+        |control: u8| works(control) == Some(false) || plan.opposite(control).and_then(works) == Some(true);
+    (0..u64::BITS as u8).filter(|&control| moment.expected & bit(control) != 0).any(disobeyed)
+}
+
+fn bit(control: u8) -> u64 {
+    1_u64.checked_shl(control.into()).unwrap_or(0)
+}
