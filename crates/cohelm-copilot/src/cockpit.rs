@@ -1,0 +1,200 @@
+//! The cockpit that a setup describes.
+
+use crate::card::{Card, Kind};
+use crate::intent::NetworkIntent;
+use crate::model::{Model, Network};
+use crate::models::Models;
+use crate::values::NetworkValues;
+use cohelm::arbitration::RuleError;
+use cohelm::cockpit::Cockpit;
+use cohelm::intent::{Head, Inference, IntentModel, KnownGoal, NearestGoal};
+use cohelm::plant::Plant;
+use cohelm::registry::{Plants, TaskError};
+use cohelm::trajectory::Setup;
+use cohelm::value::{NoOpinion, ValueModel};
+
+/// Why there is no cockpit for a setup.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CockpitError {
+    /// There is no such plant.
+    #[error(transparent)]
+    Task(#[from] TaskError),
+    /// The plant is of another version than the setup says.
+    #[error(
+        "the setup is for version {setup} of {plant:?}, this program has version {known}: its bits would differ"
+    )]
+    SetupVersion {
+        /// The plant.
+        plant: String,
+        /// Version in the setup.
+        setup: u32,
+        /// Version of this program.
+        known: u32,
+    },
+    /// The rule cannot be built.
+    #[error(transparent)]
+    Rule(#[from] RuleError),
+    /// A model is not at hand.
+    #[error("there is no {} model with the hash {hash}; add the file it was read from", .kind.word())]
+    NoModel {
+        /// What was looked for.
+        kind: Kind,
+        /// Its hash.
+        hash: String,
+    },
+    /// A model of another kind has that hash.
+    #[error("the model {name:?} is for {}, but a model for {} is needed", .found.word(), .needed.word())]
+    WrongKind {
+        /// The model's name.
+        name: String,
+        /// What it is for.
+        found: Kind,
+        /// What it should be for.
+        needed: Kind,
+    },
+    /// The inference needs a network and the setup names none.
+    #[error("inference {inference:?} needs an intent model; name one, or infer the nearest goal")]
+    NoIntent {
+        /// What was to be inferred how.
+        inference: Inference,
+    },
+    /// A model was trained on another plant.
+    #[error("the model {name:?} was trained on the plant {trained:?}; it cannot fly {plant:?}")]
+    WrongPlant {
+        /// The model's name.
+        name: String,
+        /// What it was trained on.
+        trained: String,
+        /// What it should fly.
+        plant: String,
+    },
+    /// A model was trained on another version of the plant.
+    #[error(
+        "the model {name:?} was trained on version {trained} of {plant:?}, this is version {known}: train it again"
+    )]
+    PlantVersion {
+        /// The model's name.
+        name: String,
+        /// The plant.
+        plant: String,
+        /// Version it was trained on.
+        trained: u32,
+        /// Version of this program.
+        known: u32,
+    },
+    /// A model knows other actions, another state or another number of goals.
+    #[error(
+        "the model {name:?} does not fit this plant: its {part} differs; use the model trained with these options"
+    )]
+    WrongShape {
+        /// The model's name.
+        name: String,
+        /// What differs.
+        part: &'static str,
+    },
+}
+
+/// The cockpit that a setup describes. Values come from the network of that hash; without one, from the plant's entry
+/// if it has hand-made ones, otherwise there is no opinion. Models are checked against plant, version and actions.
+///
+/// `plant` is one made from the setup's task; its state does not matter. Only [`Inference::Known`] looks at the pilot's
+/// goal, and it does so here, in the episode of the setup's seed, not in the loop.
+pub fn cockpit(
+    setup: &Setup,
+    plant: &dyn Plant,
+    plants: &Plants,
+    models: &Models,
+) -> Result<Cockpit, CockpitError> {
+    let entry = plants.entry(&setup.task)?;
+    if entry.version != setup.plant_version {
+        let plant = setup.task.plant.clone();
+        return Err(CockpitError::SetupVersion { plant, setup: setup.plant_version, known: entry.version });
+    }
+    let fitting = Fitting { setup, plant, models };
+    let (values, median_range) = match (&setup.values, entry.values) {
+        (Some(hash), _) => fitting.values(hash)?,
+        (None, Some(hand_made)) => (hand_made(), f64::NAN),
+        (None, None) => (Box::new(NoOpinion::new(plant.space())) as Box<dyn ValueModel>, f64::NAN),
+    };
+    let intent: Box<dyn IntentModel> = match setup.inference.head() {
+        Some(head) => fitting.intent(head)?,
+        None if setup.inference == Inference::Known => Box::new(KnownGoal(pilot_goal(setup, plants)?)),
+        None => Box::new(NearestGoal),
+    };
+    Ok(Cockpit::new(intent, values, setup.rule.arbiter(median_range)?).with_silence(setup.silence))
+}
+
+fn pilot_goal(setup: &Setup, plants: &Plants) -> Result<usize, CockpitError> {
+    let mut plant = plants.make(&setup.task)?;
+    plant.reset(setup.seed);
+    Ok(plant.pilot_goal())
+}
+
+/// Finds models and holds them against the plant.
+struct Fitting<'a> {
+    setup: &'a Setup,
+    plant: &'a dyn Plant,
+    models: &'a Models,
+}
+
+impl Fitting<'_> {
+    fn values(&self, hash: &str) -> Result<(Box<dyn ValueModel>, f64), CockpitError> {
+        let model = self.model(Kind::Values, hash)?;
+        let Network::Values(network) = model.network() else { return Err(wrong_kind(model, Kind::Values)) };
+        let values = NetworkValues::new(model.card(), network.clone());
+        let values = values.ok_or_else(|| wrong_shape(model.card(), "action space"))?;
+        Ok((Box::new(values), model.card().median_range.unwrap_or(f64::NAN)))
+    }
+
+    fn intent(&self, head: Head) -> Result<Box<dyn IntentModel>, CockpitError> {
+        let inference = self.setup.inference;
+        let hash = self.setup.intent.as_ref().ok_or(CockpitError::NoIntent { inference })?;
+        let model = self.model(Kind::Intent, hash)?;
+        let Network::Intent(networks) = model.network() else { return Err(wrong_kind(model, Kind::Intent)) };
+        if head == Head::Calibrated && model.card().goals != self.plant.view().goals.len() {
+            return Err(wrong_shape(model.card(), "number of goals"));
+        }
+        let intent = NetworkIntent::new(model.card(), networks.clone(), head);
+        Ok(Box::new(intent.ok_or_else(|| wrong_shape(model.card(), "action space"))?))
+    }
+
+    fn model(&self, kind: Kind, hash: &str) -> Result<&Model, CockpitError> {
+        let none = || CockpitError::NoModel { kind, hash: hash.into() };
+        let model = self.models.get(hash).ok_or_else(none)?;
+        let card = model.card();
+        if card.kind != kind {
+            return Err(wrong_kind(model, kind));
+        }
+        fits(card, self.setup, self.plant)?;
+        Ok(model)
+    }
+}
+
+/// Whether the model of a card can fly a setup's plant.
+pub fn fits(card: &Card, setup: &Setup, plant: &dyn Plant) -> Result<(), CockpitError> {
+    let Setup { task, plant_version, .. } = setup;
+    let name = || card.name.clone();
+    if card.task.plant != task.plant {
+        let (trained, plant) = (card.task.plant.clone(), task.plant.clone());
+        return Err(CockpitError::WrongPlant { name: name(), trained, plant });
+    }
+    if card.plant_version != *plant_version {
+        let (trained, known, plant) = (card.plant_version, *plant_version, task.plant.clone());
+        return Err(CockpitError::PlantVersion { name: name(), plant, trained, known });
+    }
+    if card.space != *plant.space() {
+        return Err(wrong_shape(card, "action space"));
+    }
+    if card.state != plant.view().state.len() {
+        return Err(wrong_shape(card, "state"));
+    }
+    Ok(())
+}
+
+fn wrong_shape(card: &Card, part: &'static str) -> CockpitError {
+    CockpitError::WrongShape { name: card.name.clone(), part }
+}
+
+fn wrong_kind(model: &Model, needed: Kind) -> CockpitError {
+    CockpitError::WrongKind { name: model.card().name.clone(), found: model.card().kind, needed }
+}

@@ -1,0 +1,170 @@
+//! What the networks see, as numbers. Each encoding has a version that belongs to the model: whoever changes the
+//! meaning of an input counts it up, and models of the older version are refused instead of misread.
+
+use cohelm::action::Action;
+use cohelm::plant::View;
+
+/// Version of [`ValueEncoder`].
+pub const VALUES_VERSION: u32 = 1;
+/// Version of [`IntentEncoder`], the ticks at which it is read included.
+pub const INTENT_VERSION: u32 = 1;
+
+/// Control ticks from one tick of the intent network to the next: 80 ms at 50 Hz, less than a person's reaction. Fewer
+/// cost time and make sequences long; more make the co-pilot slow to understand.
+pub const INTENT_TICKS: u32 = 4;
+
+/// What a value network sees: the state, the goal relative to the plant, and perhaps what is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ValueEncoder {
+    state: usize,
+    asked: usize,
+}
+
+impl ValueEncoder {
+    /// For a plant with that many numbers in its state. `asked` is the number of commands if the network takes what is
+    /// asked as input, otherwise 0.
+    pub fn new(state: usize, asked: usize) -> Self {
+        Self { state, asked }
+    }
+
+    /// Numbers it gives.
+    pub fn len(&self) -> usize {
+        self.state + 2 + self.asked
+    }
+
+    /// Never true: there is always the goal.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Writes the state, the goal's position minus the plant's (0 where there is no such goal) and, if the network takes
+    /// it, a 1 at the command that is asked (none if nothing is).
+    ///
+    /// # Panics
+    /// If `input` is not [`len`](Self::len) long or the state has another length than announced.
+    pub fn encode(&self, view: &View<'_>, goal: usize, asked: Option<Action>, input: &mut [f32]) {
+        let (state, rest) = input.split_at_mut(self.state);
+        let (to_goal, one_hot) = rest.split_at_mut(2);
+        state.copy_from_slice(view.state);
+        let goal = view.goals.get(goal).map_or(view.position, |goal| goal.position);
+        to_goal[0] = goal[0] - view.position[0];
+        to_goal[1] = goal[1] - view.position[1];
+        one_hot[..self.asked].fill(0.0);
+        let command = asked.and_then(|action| action.command()).filter(|&command| command < self.asked);
+        if let Some(command) = command {
+            one_hot[command] = 1.0;
+        }
+    }
+}
+
+/// What the intent networks see: how often each command was asked since their last tick, the state, and for the one
+/// that may compare goals their positions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IntentEncoder {
+    commands: usize,
+    state: usize,
+    goals: usize,
+    counts: Vec<u32>,
+    noted: u32,
+}
+
+impl IntentEncoder {
+    /// For a plant with that many commands, numbers in its state, and goals.
+    pub fn new(commands: usize, state: usize, goals: usize) -> Self {
+        Self { commands, state, goals, counts: vec![0; commands + 1], noted: 0 }
+    }
+
+    /// Numbers that the network sees which knows no goals: shares of the commands and of silence, then the state.
+    pub fn without_goals(&self) -> usize {
+        self.commands + 1 + self.state
+    }
+
+    /// Numbers that the network sees which knows the goals: the same, then x and y of every goal.
+    pub fn with_goals(&self) -> usize {
+        self.without_goals() + 2 * self.goals
+    }
+
+    /// Forgets everything.
+    pub fn begin(&mut self) {
+        self.counts.fill(0);
+        self.noted = 0;
+    }
+
+    /// True at the control ticks before whose decision the networks tick.
+    pub fn is_due(tick: u32) -> bool {
+        tick > 0 && tick % INTENT_TICKS == 0
+    }
+
+    /// Notes what is asked at one control tick.
+    pub fn note(&mut self, asked: Option<Action>) {
+        let asked = asked.and_then(|action| action.command()).filter(|&command| command < self.commands);
+        self.counts[asked.unwrap_or(self.commands)] += 1;
+        self.noted += 1;
+    }
+
+    /// Writes [`with_goals`](Self::with_goals) numbers, of which the first [`without_goals`](Self::without_goals) are
+    /// for the other network, and begins to count anew. Goals that are missing are zeros.
+    ///
+    /// # Panics
+    /// If `input` has another length or the state has another length than announced.
+    pub fn encode(&mut self, view: &View<'_>, input: &mut [f32]) {
+        let (shares, rest) = input.split_at_mut(self.commands + 1);
+        let (state, positions) = rest.split_at_mut(self.state);
+        for (share, &count) in shares.iter_mut().zip(&self.counts) {
+            *share = count as f32 / self.noted.max(1) as f32;
+        }
+        state.copy_from_slice(view.state);
+        positions[..2 * self.goals].fill(0.0);
+        for (position, goal) in positions.chunks_exact_mut(2).zip(view.goals) {
+            position.copy_from_slice(&goal.position);
+        }
+        self.begin();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cohelm::plant::Goal;
+
+    const GOALS: [Goal; 2] = [Goal { id: 0, position: [0.5, 0.25] }, Goal { id: 1, position: [-0.5, 0.0] }];
+
+    fn view() -> View<'static> {
+        View { tick: 8, state: &[0.25, 1.0, -3.0], position: [0.25, 1.0], switches: 0, goals: &GOALS }
+    }
+
+    #[test]
+    fn values_see_the_state_the_way_to_the_goal_and_what_is_asked() {
+        let mut input = [9.0; 5];
+        ValueEncoder::new(3, 0).encode(&view(), 0, None, &mut input);
+        assert_eq!(input, [0.25, 1.0, -3.0, 0.25, -0.75]);
+        let mut input = [9.0; 7];
+        let encoder = ValueEncoder::new(3, 2);
+        encoder.encode(&view(), 1, Some(Action::Command(1)), &mut input);
+        assert_eq!(input[3..], [-0.75, -1.0, 0.0, 1.0]);
+        encoder.encode(&view(), 1, None, &mut input);
+        assert_eq!(input[5..], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn intent_sees_shares_of_commands_and_of_silence_since_its_last_tick() {
+        let mut encoder = IntentEncoder::new(2, 3, 3);
+        for asked in [Some(1), Some(1), None, Some(0)] {
+            encoder.note(asked.map(Action::Command));
+        }
+        let mut input = [9.0; 12];
+        encoder.encode(&view(), &mut input);
+        assert_eq!(input[..3], [0.25, 0.5, 0.25]);
+        assert_eq!(input[3..6], [0.25, 1.0, -3.0]);
+        assert_eq!(input[6..], [0.5, 0.25, -0.5, 0.0, 0.0, 0.0]);
+        encoder.note(None);
+        encoder.encode(&view(), &mut input);
+        assert_eq!(input[..3], [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn the_networks_tick_before_the_decisions_at_ticks_4_8_and_12() {
+        let due: Vec<u32> = (0..14).filter(|&tick| IntentEncoder::is_due(tick)).collect();
+        assert_eq!(due, [4, 8, 12]);
+    }
+}

@@ -1,0 +1,61 @@
+//! A network as a value model.
+
+use crate::card::Card;
+use crate::encode::ValueEncoder;
+use crate::outputs::Outputs;
+use cohelm::action::Action;
+use cohelm::plant::View;
+use cohelm::value::{ActionValues, ValueModel};
+use cohelm_nn::mlp::{Mlp, MlpScratch};
+use std::sync::Arc;
+
+/// Q(s, a) of every command, from a network.
+///
+/// Finite states and bounded weights give finite values. Should they ever not (a network deep enough to overflow), it
+/// has no opinion at that tick: all values are equal, and every rule of minimal intervention lets the person through.
+#[derive(Clone, Debug)]
+pub struct NetworkValues {
+    network: Arc<Mlp>,
+    encoder: ValueEncoder,
+    outputs: Outputs,
+    scratch: MlpScratch,
+    input: Vec<f32>,
+    of_commands: Vec<f32>,
+    values: ActionValues,
+}
+
+impl NetworkValues {
+    /// A network with the card it came with; `None` if the card's space has no commands. Widths are those that
+    /// [`Model`](crate::model::Model) checked.
+    pub fn new(card: &Card, network: Arc<Mlp>) -> Option<Self> {
+        let outputs = Outputs::of(&card.space)?;
+        let commands = outputs.commands();
+        let encoder = ValueEncoder::new(card.state, if card.sees_asked { commands } else { 0 });
+        let candidates = (0..commands).map(|command| Action::Command(command as u8)).collect();
+        Some(Self {
+            scratch: MlpScratch::new(network.shape()),
+            network,
+            input: vec![0.0; encoder.len()],
+            encoder,
+            outputs,
+            of_commands: vec![0.0; commands],
+            values: ActionValues::equal(candidates).ok()?,
+        })
+    }
+}
+
+impl ValueModel for NetworkValues {
+    fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
+        self.encoder.encode(view, goal, asked, &mut self.input);
+        let outputs = self.network.forward(&self.input, &mut self.scratch);
+        for (command, value) in self.of_commands.iter_mut().enumerate() {
+            *value = outputs[self.outputs.output(command, view.switches)];
+        }
+        if self.values.refill(&self.of_commands).is_err() {
+            self.of_commands.fill(0.0);
+            let equal = self.values.refill(&self.of_commands);
+            debug_assert!(equal.is_ok(), "zeros are finite");
+        }
+        &self.values
+    }
+}
