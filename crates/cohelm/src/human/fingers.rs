@@ -134,12 +134,13 @@ impl Finger {
 }
 
 /// True if a pilot that saw this moment saw a key disobeyed: it should have been working and was not, or its opposite
-/// worked.
+/// worked without being asked.
 pub(super) fn conflict(moment: &Moment, plan: &Plan) -> bool {
+    let expected = |control: &u8| moment.expected & bit(*control) != 0;
     let works = |control| plan.works(control, &moment.state);
-    let disobeyed =
-        |control: u8| works(control) == Some(false) || plan.opposite(control).and_then(works) == Some(true);
-    (0..u64::BITS as u8).filter(|&control| moment.expected & bit(control) != 0).any(disobeyed)
+    let opposed = |control| plan.opposite(control).filter(|opposite| !expected(opposite)).and_then(works);
+    let disobeyed = |control| works(control) == Some(false) || opposed(control) == Some(true);
+    (0..u64::BITS as u8).filter(expected).any(disobeyed)
 }
 
 fn bit(control: u8) -> u64 {
