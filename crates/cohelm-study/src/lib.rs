@@ -1,1 +1,7 @@
-//! Being written.
+#![forbid(unsafe_code)]
+//! What a study of shared control is, apart from running it: records, statistics, figures, reports.
+//!
+//! Knows no network, no async, no plant and no rule: it gets tables of numbers with names and says what they show.
+
+pub mod statistics;
+pub mod verify;
