@@ -16,100 +16,32 @@
 //! # Ok::<(), cohelm_lander::craft::GroundError>(())
 //! ```
 
+use crate::physics::body::{BODIES, Body, HULL, LEG_AWAY, LEGS, parts};
+pub use crate::physics::body::{HULL_OUTLINE, LEG_OUTLINE, SCALE};
+pub use crate::physics::ground::{Ground, GroundError, WORLD_WIDTH};
+use crate::physics::vector::vec2;
+pub use crate::physics::world::Settings;
+use crate::physics::world::World;
+
 /// Length of one tick in seconds.
 pub const TICK_S: f64 = 1.0 / 50.0;
-/// Pixels that Gymnasium draws for one world unit; its constants are written in pixels.
-pub const SCALE: f64 = 30.0;
-/// Width of Gymnasium's world, in world units.
-pub const WORLD_WIDTH: f64 = 600.0 / SCALE;
 /// Height of Gymnasium's world, in world units.
 pub const WORLD_HEIGHT: f64 = 400.0 / SCALE;
-/// Corners of the hull around its own position, counter-clockwise, in world units: what a page draws.
-pub const HULL_OUTLINE: [[f64; 2]; 6] = [
-    [17.0 / SCALE, -10.0 / SCALE],
-    [17.0 / SCALE, 0.0],
-    [14.0 / SCALE, 17.0 / SCALE],
-    [-14.0 / SCALE, 17.0 / SCALE],
-    [-17.0 / SCALE, 0.0],
-    [-17.0 / SCALE, -10.0 / SCALE],
-];
-/// Corners of a leg around its own position, counter-clockwise, in world units.
-pub const LEG_OUTLINE: [[f64; 2]; 4] = [
-    [-2.0 / SCALE, -8.0 / SCALE],
-    [2.0 / SCALE, -8.0 / SCALE],
-    [2.0 / SCALE, 8.0 / SCALE],
-    [-2.0 / SCALE, 8.0 / SCALE],
-];
-
-/// What the craft stands on: a chain of straight edges that never moves. Cheap to clone (shared).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ground;
-
-/// Why a list of vertices is no ground.
-#[derive(Debug, thiserror::Error, PartialEq)]
-pub enum GroundError {
-    /// Fewer than two vertices.
-    #[error("a ground needs at least 2 vertices, {0} given")]
-    TooFewVertices(usize),
-    /// A coordinate is not finite or beyond ±1000 world units.
-    #[error("vertex {index} is ({x}, {y}): coordinates must be finite and within ±1000 world units")]
-    OutOfRange {
-        /// Position of the vertex in the list.
-        index: usize,
-        /// Its x.
-        x: f64,
-        /// Its y.
-        y: f64,
-    },
-    /// Vertices must go from left to right, at least 0.01 units apart.
-    #[error(
-        "vertex {index} lies less than 0.01 units to the right of the one before it: list the vertices from left to right"
-    )]
-    NotRightwards {
-        /// Position of the vertex in the list.
-        index: usize,
-    },
-}
-
-impl Ground {
-    /// Edges between neighbouring vertices `[x, y]` (world units), which must go from left to right.
-    /// Friction is that of Gymnasium's moon (0.1).
-    pub fn polyline(vertices: &[[f64; 2]]) -> Result<Ground, GroundError> {
-        let _ = vertices;
-        todo!()
-    }
-
-    /// Gymnasium's moon: its base line at y = 0 and ten edges over eleven smoothed `heights`, evenly spaced over [`WORLD_WIDTH`].
-    pub fn gymnasium(heights: &[f64; 11]) -> Ground {
-        let _ = heights;
-        todo!()
-    }
-}
-
-/// How the world is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Vertical acceleration, units/s². Gymnasium: −10.
-    pub gravity: f64,
-    /// Rounds of the velocity solver in a tick. Gymnasium: 180; 60 is faster and lands the same pilots.
-    pub velocity_iterations: u32,
-    /// At most this many rounds of the position solver in a tick. Gymnasium: 60; with 60 velocity iterations use 20.
-    pub position_iterations: u32,
-}
-
-impl Settings {
-    /// Gymnasium's: 180 velocity and 60 position iterations. Bit parity holds for this one.
-    pub const EXACT: Settings =
-        Settings { gravity: -10.0, velocity_iterations: 180, position_iterations: 60 };
-    /// 60 and 20: about 2.5 times as fast, other bits, for training.
-    pub const QUICK: Settings = Settings { gravity: -10.0, velocity_iterations: 60, position_iterations: 20 };
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Settings::EXACT
-    }
-}
+/// How far an unloaded leg is turned outwards at the start, rad.
+const LEG_START_RAD: f64 = 0.05;
+/// Impulse of the main engine per world unit of its arm and tick, at full throttle.
+const MAIN_ENGINE_POWER: f64 = 13.0;
+/// The same for a side engine.
+const SIDE_ENGINE_POWER: f64 = 0.6;
+/// Where the main engine pushes, below the hull's origin.
+const MAIN_ENGINE_BELOW: f64 = 4.0 / SCALE;
+/// Where a side engine pushes, beside the hull's origin, pixels.
+const SIDE_ENGINE_AWAY: f64 = 12.0;
+/// Where a side engine pushes, above the hull's origin, pixels.
+const SIDE_ENGINE_HEIGHT: f64 = 14.0;
+/// Gymnasium's formula has 17 in one place where the height of 14 is presumably meant, so that the torque of the side
+/// engines depends on the tilt. It is part of the task.
+const SIDE_ENGINE_SKEW: f64 = 17.0;
 
 /// Where and how a flight begins. The hull is upright and does not spin; the legs hang where Gymnasium puts them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,45 +150,113 @@ pub struct Motion {
 
 /// The craft in its world: plain data. A clone is a snapshot, and going on from it gives the same bits.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Craft;
+pub struct Craft {
+    world: World,
+}
 
 impl Craft {
     /// Puts a craft over (or onto) the ground. Legs are placed relative to the hull as Gymnasium places them;
     /// a craft standing still has its hull about 0.6 units above level ground.
     pub fn place(ground: &Ground, start: &Start, settings: Settings) -> Craft {
-        let _ = (ground, start, settings);
-        todo!()
+        let leg = |index: usize, side: f64| {
+            Body::at(&parts()[index], start.x - side * LEG_AWAY, start.y, side * LEG_START_RAD)
+        };
+        let hull = Body::at(&parts()[HULL], start.x, start.y, 0.0);
+        let mut bodies: [Body; BODIES] = [hull, leg(LEGS[0], -1.0), leg(LEGS[1], 1.0)];
+        for body in &mut bodies {
+            body.velocity = vec2(start.vx as f32, start.vy as f32);
+        }
+        bodies[HULL].force = vec2(start.push[0] as f32, start.push[1] as f32);
+        Craft { world: World::new(ground.clone(), settings, bodies) }
     }
 
     /// Lets 1/50 s pass. Order as in Gymnasium: wind, main engine, side engines (left, right), then the physics.
     /// A sleeping craft wakes when an engine fires; wind wakes it too (hand in none while it stands).
     pub fn tick(&mut self, controls: &Controls) {
-        let _ = controls;
-        todo!()
+        self.blow(controls);
+        self.fire(controls);
+        self.world.step(TICK_S as f32);
+    }
+
+    fn blow(&mut self, controls: &Controls) {
+        if controls.wind_force == 0.0 && controls.wind_torque == 0.0 {
+            return;
+        }
+        let hull = &mut self.world.bodies[HULL];
+        hull.wake();
+        hull.force += vec2(controls.wind_force as f32, 0.0);
+        hull.torque += controls.wind_torque as f32;
+    }
+
+    /// Gymnasium's formulas, in f64 as there; Box2D takes the results in f32.
+    fn fire(&mut self, controls: &Controls) {
+        let Engines { main, left, right } = controls.engines;
+        if main == 0.0 && left == 0.0 && right == 0.0 {
+            return;
+        }
+        let hull = self.hull();
+        let angle = f64::from(hull.angle_rad);
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        let Dispersion([along, across]) = controls.dispersion;
+        let (x, y) = (f64::from(hull.x), f64::from(hull.y));
+        if main > 0.0 {
+            let arm = MAIN_ENGINE_BELOW + 2.0 * along;
+            let (ox, oy) = (sin * arm + -cos * across, -cos * arm - sin * across);
+            let strength = |offset: f64| -offset * MAIN_ENGINE_POWER * main;
+            self.push([strength(ox), strength(oy)], [x + ox, y + oy]);
+        }
+        for (direction, throttle) in [(-1.0, left), (1.0, right)] {
+            if throttle > 0.0 {
+                let arm = 3.0 * across + direction * SIDE_ENGINE_AWAY / SCALE;
+                let (ox, oy) = (sin * along + -cos * arm, -cos * along - sin * arm);
+                let strength = |offset: f64| -offset * SIDE_ENGINE_POWER * throttle;
+                let at = [x + ox - sin * SIDE_ENGINE_SKEW / SCALE, y + oy + cos * SIDE_ENGINE_HEIGHT / SCALE];
+                self.push([strength(ox), strength(oy)], at);
+            }
+        }
+    }
+
+    /// An impulse on the hull at a point of the world.
+    fn push(&mut self, impulse: [f64; 2], at: [f64; 2]) {
+        let narrow = |[x, y]: [f64; 2]| vec2(x as f32, y as f32);
+        self.world.bodies[HULL].push(&parts()[HULL], narrow(impulse), narrow(at));
     }
 
     /// The hull's motion.
     pub fn hull(&self) -> Motion {
-        todo!()
+        Motion::of(&self.world.bodies[HULL])
     }
 
     /// The legs' motion, in Gymnasium's order: the first one is on the **right** of an upright craft.
     pub fn legs(&self) -> [Motion; 2] {
-        todo!()
+        LEGS.map(|leg| Motion::of(&self.world.bodies[leg]))
     }
 
     /// Whether each leg touches the ground, in the order of [`Craft::legs`]; what Gymnasium reports.
     pub fn leg_contacts(&self) -> [bool; 2] {
-        todo!()
+        self.world.leg_contacts
     }
 
     /// Whether the hull has touched the ground since the craft was placed: a crash in both tasks.
     pub fn hull_touched(&self) -> bool {
-        todo!()
+        self.world.hull_touched
     }
 
     /// False once the whole craft has lain still for half a second: Gymnasium's sign of a landing.
     pub fn awake(&self) -> bool {
-        todo!()
+        self.world.bodies[HULL].awake
+    }
+}
+
+impl Motion {
+    fn of(body: &Body) -> Motion {
+        Motion {
+            x: body.place.origin.x,
+            y: body.place.origin.y,
+            angle_rad: body.sweep.a,
+            vx: body.velocity.x,
+            vy: body.velocity.y,
+            omega_rad_s: body.omega,
+        }
     }
 }

@@ -4,3 +4,5 @@
 #![forbid(unsafe_code)]
 
 pub mod craft;
+pub mod flags;
+mod physics;
