@@ -1,0 +1,46 @@
+// Fifty ticks a second that do not drift, whatever the display's rate.
+
+/** How many ticks may be made up for at once; after a longer pause the clock goes on from now instead. */
+const MOST_AT_ONCE = 10;
+
+/** Says how many ticks are due, and how far the present moment lies between the last two. */
+export class TickClock {
+  private origin = 0;
+  private flown = 0;
+  private running = false;
+  /** Ticks that were due more than one tick ago when they were flown. */
+  late = 0;
+
+  constructor(private readonly tickMs: number) {}
+
+  start(nowMs: number): void {
+    this.origin = nowMs - this.flown * this.tickMs;
+    this.running = true;
+  }
+
+  pause(): void {
+    this.running = false;
+  }
+
+  /** Ticks that should be flown now. Those that lie too far back are forgiven, not rushed through. */
+  due(nowMs: number): number {
+    if (!this.running) return 0;
+    const behind = Math.floor((nowMs - this.origin) / this.tickMs) - this.flown;
+    if (behind > MOST_AT_ONCE) {
+      this.late += behind;
+      this.origin = nowMs - (this.flown + 1) * this.tickMs;
+      this.flown += 1;
+      return 1;
+    }
+    const ticks = Math.max(behind, 0);
+    this.late += Math.max(ticks - 1, 0);
+    this.flown += ticks;
+    return ticks;
+  }
+
+  /** Where now lies between the last tick (0) and the next (1). */
+  between(nowMs: number): number {
+    if (!this.running) return 1;
+    return Math.min(Math.max((nowMs - this.origin) / this.tickMs - this.flown, 0), 1);
+  }
+}

@@ -1,0 +1,227 @@
+// The loop, compiled to WebAssembly: physics and co-pilot run here, so that a key acts at the next tick whatever the
+// network does. The functions and the JSON are those of crates/cohelm-page; `abi.rs` and `report.rs` explain them.
+
+/** Where a movable part is, world units, y upwards. */
+export interface Pose {
+  x: number;
+  y: number;
+  angle_rad: number;
+  strength: number;
+}
+
+export type Role = 'ground' | 'body' | 'limb' | 'thrust' | 'goal' | 'decor';
+
+export type Shape =
+  | { kind: 'polygon'; points: [number, number][] }
+  | { kind: 'line'; points: [number, number][] }
+  | { kind: 'disc'; center: [number, number]; radius: number };
+
+export interface Part {
+  role: Role;
+  goal?: number;
+  shapes: Shape[];
+}
+
+/** Everything to draw; fixed for an episode. */
+export interface Scene {
+  bounds: [number, number, number, number];
+  fixed: Part[];
+  movable: Part[];
+  origin: [number, number];
+  scale: [number, number];
+}
+
+export interface Rule {
+  rule: 'hic' | 'robot' | 'lasc' | 'misc' | 'tolerance' | 'misc-r';
+  alpha?: number;
+  kappa?: number;
+}
+
+export type Inference = 'nearest' | 'known' | 'inverse-distance' | 'softmax' | 'calibrated';
+
+/** Everything that fixes an episode but the keys. */
+export interface Setup {
+  task: { plant: string; options: Record<string, unknown> };
+  plant_version: number;
+  seed: number;
+  rule: Rule;
+  inference: Inference;
+  silence?: 'best' | 'nothing';
+  time_scale: number;
+  values: string | null;
+  intent: string | null;
+  pilot: string;
+}
+
+export interface Goal {
+  id: number;
+  position: [number, number];
+}
+
+export interface Control {
+  name: string;
+  keys: string[];
+}
+
+export interface Opening {
+  setup: Setup;
+  ticks_per_second: number;
+  ticks: number | null;
+  controls: Control[];
+  pilot_goal: number | null;
+  goals: Goal[];
+  scene: Scene;
+  poses: Pose[];
+}
+
+export interface Named {
+  label: string;
+  command?: number;
+  axes?: [number, number, number, number];
+}
+
+export type Ending = 'goal' | 'elsewhere' | 'crash' | 'out-of-bounds' | 'time-limit' | 'abandoned';
+
+/** One tick, every stage of it. */
+export interface Tick {
+  tick: number;
+  asked: Named | null;
+  belief: { probabilities: number[]; goal: number; confidence: number };
+  candidates: { action: Named; value: number; above_worst: number; allowed: boolean }[];
+  threshold: number | null;
+  executed: Named | null;
+  intervention: { effective: boolean; nominal: boolean; opposed: boolean } | null;
+  reward: number;
+  ending: Ending | null;
+  differs: boolean;
+  goals: Goal[];
+  poses: Pose[];
+}
+
+export interface Digests {
+  ticks: number;
+  plant: string;
+  decisions: string;
+}
+
+export interface ReplayReport {
+  identical: boolean;
+  plant_identical: boolean;
+  decisions_identical: boolean | null;
+  requests_identical: boolean | null;
+}
+
+export interface About {
+  source_hash: string;
+  version: string;
+  plants: { name: string; version: number; summary: string }[];
+}
+
+export type KeyKind = 'down' | 'up' | 'release-all';
+
+interface Exports {
+  memory: WebAssembly.Memory;
+  cohelm_input(length: number): number;
+  cohelm_output(): number;
+  cohelm_about(): number;
+  cohelm_model(): number;
+  cohelm_begin(): number;
+  cohelm_key(kind: number, control: number, atMs: number): number;
+  cohelm_stick(x: number, y: number, z: number, w: number, atMs: number): number;
+  cohelm_tick(): number;
+  cohelm_events(from: number): number;
+  cohelm_digests(): number;
+  cohelm_finish(): number;
+  cohelm_watch(): number;
+  cohelm_seek(ticks: number): number;
+  cohelm_replay(): number;
+  cohelm_panic(): number;
+}
+
+/** The page's loop refused something, in its own words. */
+export class CoreError extends Error {}
+
+/** One instance of the loop: it flies one flight, or shows one record, at a time. */
+export class Core {
+  private constructor(private readonly wasm: Exports) {}
+
+  static async load(source: BufferSource | Response | Promise<Response>): Promise<Core> {
+    const made =
+      source instanceof ArrayBuffer || ArrayBuffer.isView(source)
+        ? await WebAssembly.instantiate(source as BufferSource, {})
+        : await WebAssembly.instantiateStreaming(source as Response, {});
+    return new Core(made.instance.exports as unknown as Exports);
+  }
+
+  about(): About {
+    return this.json(this.wasm.cohelm_about()) as About;
+  }
+
+  addModel(bytes: Uint8Array): void {
+    this.put(bytes);
+    this.take(this.wasm.cohelm_model());
+  }
+
+  begin(setup: Setup): Opening {
+    this.put(new TextEncoder().encode(JSON.stringify(setup)));
+    return this.json(this.wasm.cohelm_begin()) as Opening;
+  }
+
+  key(kind: KeyKind, control: number, atMs: number): void {
+    this.take(this.wasm.cohelm_key({ down: 0, up: 1, 'release-all': 2 }[kind], control, atMs));
+  }
+
+  stick(axes: readonly number[], atMs: number): void {
+    const raw = [0, 1, 2, 3].map((i) => Math.round((axes[i] ?? 0) * 32767));
+    this.take(this.wasm.cohelm_stick(raw[0]!, raw[1]!, raw[2]!, raw[3]!, atMs));
+  }
+
+  /** Flies one tick; null once the episode has ended. */
+  tick(): Tick | null {
+    return this.json(this.wasm.cohelm_tick()) as Tick | null;
+  }
+
+  eventsFrom(index: number): Uint8Array {
+    return this.take(this.wasm.cohelm_events(index));
+  }
+
+  digests(): Digests {
+    return this.json(this.wasm.cohelm_digests()) as Digests;
+  }
+
+  finish(): Uint8Array {
+    return this.take(this.wasm.cohelm_finish());
+  }
+
+  watch(record: Uint8Array): Opening {
+    this.put(record);
+    return this.json(this.wasm.cohelm_watch()) as Opening;
+  }
+
+  seek(ticks: number): Tick | null {
+    return this.json(this.wasm.cohelm_seek(ticks)) as Tick | null;
+  }
+
+  replay(record: Uint8Array): ReplayReport {
+    this.put(record);
+    return this.json(this.wasm.cohelm_replay()) as ReplayReport;
+  }
+
+  private put(bytes: Uint8Array): void {
+    const at = this.wasm.cohelm_input(bytes.length);
+    if (at === 0) throw new CoreError(`${bytes.length} bytes are more than the page takes in at once`);
+    new Uint8Array(this.wasm.memory.buffer, at, bytes.length).set(bytes);
+  }
+
+  /** Copies an answer out; a negative length is an error whose words lie in its place. */
+  private take(length: number): Uint8Array {
+    const bytes = new Uint8Array(this.wasm.memory.buffer, this.wasm.cohelm_output(), Math.abs(length)).slice();
+    if (length < 0) throw new CoreError(new TextDecoder().decode(bytes));
+    return bytes;
+  }
+
+  private json(length: number): unknown {
+    const bytes = this.take(length);
+    return bytes.length === 0 ? null : JSON.parse(new TextDecoder().decode(bytes));
+  }
+}
