@@ -12,23 +12,26 @@
 //! let ground = Ground::polyline(&[[0.0, 3.0], [20.0, 3.0]])?;
 //! let mut craft = Craft::place(&ground, &Start::at(10.0, 8.0), Settings::default());
 //! craft.tick(&Controls { engines: Engines::MAIN, ..Controls::IDLE });
-//! assert!(craft.hull().y < 8.0 && craft.awake());
+//! assert!(craft.hull().y > 8.0 && craft.awake(), "the main engine is stronger than gravity");
 //! # Ok::<(), cohelm_lander::craft::GroundError>(())
 //! ```
 
-use crate::physics::body::{BODIES, Body, HULL, LEG_AWAY, LEGS, parts};
+use crate::physics::body::{BODIES, Body, HULL, LEG_AWAY, LEG_DOWN, LEG_START_RAD, LEGS, parts};
 pub use crate::physics::body::{HULL_OUTLINE, LEG_OUTLINE, SCALE};
 pub use crate::physics::ground::{Ground, GroundError, WORLD_WIDTH};
 use crate::physics::vector::vec2;
 pub use crate::physics::world::Settings;
 use crate::physics::world::World;
 
+/// Ticks in a second.
+pub const TICKS_PER_S: f64 = 50.0;
 /// Length of one tick in seconds.
-pub const TICK_S: f64 = 1.0 / 50.0;
+pub const TICK_S: f64 = 1.0 / TICKS_PER_S;
 /// Height of Gymnasium's world, in world units.
 pub const WORLD_HEIGHT: f64 = 400.0 / SCALE;
-/// How far an unloaded leg is turned outwards at the start, rad.
-const LEG_START_RAD: f64 = 0.05;
+/// Tilt of a leg after Gymnasium's first tick, from where its motor turns it on to the hinge's limit of 0.4. A leg put at
+/// the limit itself would start with a knock.
+const LEG_HANGING_RAD: f64 = 0.49;
 /// Impulse of the main engine per world unit of its arm and tick, at full throttle.
 const MAIN_ENGINE_POWER: f64 = 13.0;
 /// The same for a side engine.
@@ -161,8 +164,24 @@ impl Craft {
         let leg = |index: usize, side: f64| {
             Body::at(&parts()[index], start.x - side * LEG_AWAY, start.y, side * LEG_START_RAD)
         };
+        Craft::assemble(ground, start, settings, [leg(LEGS[0], -1.0), leg(LEGS[1], 1.0)])
+    }
+
+    /// Like [`Craft::place`], but the legs hang already as they do after Gymnasium's first tick. For starts near the ground:
+    /// where Gymnasium puts the legs they are still beside the hull, which would touch the ground before them.
+    pub fn place_hanging(ground: &Ground, start: &Start, settings: Settings) -> Craft {
+        let (sin, cos) = (libm::sin(LEG_HANGING_RAD), libm::cos(LEG_HANGING_RAD));
+        let away = LEG_AWAY * cos + LEG_DOWN * sin;
+        let down = LEG_DOWN * cos - LEG_AWAY * sin;
+        let leg = |index: usize, side: f64| {
+            Body::at(&parts()[index], start.x - side * away, start.y - down, -side * LEG_HANGING_RAD)
+        };
+        Craft::assemble(ground, start, settings, [leg(LEGS[0], -1.0), leg(LEGS[1], 1.0)])
+    }
+
+    fn assemble(ground: &Ground, start: &Start, settings: Settings, [right, left]: [Body; 2]) -> Craft {
         let hull = Body::at(&parts()[HULL], start.x, start.y, 0.0);
-        let mut bodies: [Body; BODIES] = [hull, leg(LEGS[0], -1.0), leg(LEGS[1], 1.0)];
+        let mut bodies: [Body; BODIES] = [hull, right, left];
         for body in &mut bodies {
             body.velocity = vec2(start.vx as f32, start.vy as f32);
         }
@@ -232,9 +251,15 @@ impl Craft {
         LEGS.map(|leg| Motion::of(&self.world.bodies[leg]))
     }
 
-    /// Whether each leg touches the ground, in the order of [`Craft::legs`]; what Gymnasium reports.
+    /// Whether each leg touches the ground as Gymnasium reports it, in the order of [`Craft::legs`].
     pub fn leg_contacts(&self) -> [bool; 2] {
         self.world.leg_contacts
+    }
+
+    /// Whether each leg really touches the ground, in the order of [`Craft::legs`]. Gymnasium's report misses a leg that
+    /// stands where two edges meet and has let go of one of them.
+    pub fn legs_touching(&self) -> [bool; 2] {
+        LEGS.map(|leg| self.world.touches(leg))
     }
 
     /// Whether the hull has touched the ground since the craft was placed: a crash in both tasks.

@@ -5,4 +5,8 @@
 
 pub mod craft;
 pub mod flags;
+pub mod gymnasium;
 mod physics;
+pub mod random;
+#[cfg(feature = "recording")]
+pub mod recording;

@@ -10,8 +10,8 @@ const SINE: [f64; 3] = [-0.16666654943701084, 0.008332178146138854, -0.000195172
 /// Coefficients of x², x⁴, x⁶, x⁸ of the cosine on ±π/4.
 const COSINE: [f64; 4] =
     [-0.49999999725108224, 0.041666623324344516, -0.001388676379437604, 2.4390450703564542e-05];
-/// π/4 as an `f32`: at most this, no reduction is needed.
-const QUARTER_PI: f32 = 0.785_398_2;
+/// Below this, no reduction is needed.
+const QUARTER_PI: f32 = std::f32::consts::FRAC_PI_4;
 /// From this magnitude on the fast reduction would lose bits.
 const FAST_REDUCTION_LIMIT: f32 = 120.0;
 /// Below this magnitude sin x rounds to x and cos x to 1.

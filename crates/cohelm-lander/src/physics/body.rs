@@ -28,6 +28,8 @@ pub const LEG_OUTLINE: [[f64; 2]; 4] = [
 pub(crate) const LEG_AWAY: f64 = 20.0 / SCALE;
 /// The same upwards.
 pub(crate) const LEG_DOWN: f64 = 18.0 / SCALE;
+/// How far a leg is turned inwards when the craft is made; its hinge counts angles from there.
+pub(crate) const LEG_START_RAD: f64 = 0.05;
 
 /// Index of the hull among the bodies.
 pub(crate) const HULL: usize = 0;
@@ -226,17 +228,19 @@ mod tests {
     /// the inertia about the body's origin, so it is put together again from the one about the centre of mass.
     #[test]
     fn masses_are_those_of_box2d() {
+        let wide = |v: Vec2| [f64::from(v.x), f64::from(v.y)];
         let [hull, leg, _] = parts();
         let data = hull.shape.mass_data(5.0);
         let shift = data.mass * hull.local_center.dot(hull.local_center);
-        assert_eq!(data.mass, 4.816666603088379);
-        assert_eq!((data.inertia - shift) + shift, 0.8333148956298828);
-        assert_eq!(hull.local_center, vec2(0.0, 0.10130719095468521));
-        assert_eq!(hull.shape.centroid, vec2(3.867083098185731e-09, 0.10130717605352402));
-        assert_eq!(hull.shape.normals()[1], vec2(0.9847835898399353, 0.17378532886505127));
-        assert_eq!(hull.shape.normals()[3], vec2(-0.9847835898399353, 0.17378532886505127));
+        assert_eq!(f64::from(data.mass), 4.816666603088379);
+        assert_eq!(f64::from((data.inertia - shift) + shift), 0.8333148956298828);
+        assert_eq!(wide(hull.local_center), [0.0, 0.10130719095468521]);
+        assert_eq!(wide(hull.shape.centroid), [3.867083098185731e-09, 0.10130717605352402]);
+        assert_eq!(wide(hull.shape.normals()[1]), [0.9847835898399353, 0.17378532886505127]);
+        assert_eq!(wide(hull.shape.normals()[3]), [-0.9847835898399353, 0.17378532886505127]);
         let data = leg.shape.mass_data(1.0);
-        assert_eq!((data.mass, data.inertia), (0.07111112028360367, 0.0017909470479935408));
+        assert_eq!(f64::from(data.mass), 0.07111112028360367);
+        assert_eq!(f64::from(data.inertia), 0.0017909470479935408);
         assert_eq!(leg.local_center, Vec2::ZERO);
     }
 }

@@ -3,7 +3,7 @@
 //! [`Hinge`] is what lasts from step to step. For the iterations over velocities it lays its equations out as a
 //! [`HingeRow`](super::hinge_row::HingeRow) and afterwards takes the impulses back.
 
-use super::body::{BODIES, HULL, LEG_AWAY, LEG_DOWN, LEGS, Part, parts};
+use super::body::{BODIES, HULL, LEG_AWAY, LEG_DOWN, LEG_START_RAD, LEGS, Part, parts};
 use super::hinge_row::HingeRow;
 use super::lanes::Lanes;
 use super::position::Position;
@@ -30,6 +30,8 @@ pub(crate) struct Hinge {
     pub leg: usize,
     /// The hinge seen from the leg's centre of mass, in the leg's frame.
     leg_arm: Vec2,
+    /// Angle between leg and hull that counts as 0: the one they were made with.
+    reference_rad: f32,
     lower_rad: f32,
     upper_rad: f32,
     motor_speed: f32,
@@ -45,6 +47,7 @@ impl Hinge {
         let hinge = |leg: usize, side: f64, lower: f64, upper: f64| Hinge {
             leg,
             leg_arm: vec2((side * LEG_AWAY) as f32, LEG_DOWN as f32) - parts()[leg].local_center,
+            reference_rad: (side * LEG_START_RAD) as f32,
             lower_rad: lower as f32,
             upper_rad: upper as f32,
             motor_speed: (MOTOR_SPEED * side) as f32,
@@ -53,6 +56,10 @@ impl Hinge {
             motor_impulse: 0.0,
         };
         [hinge(LEGS[0], -1.0, 0.9 - 0.5, 0.9), hinge(LEGS[1], 1.0, -0.9, -0.9 + 0.5)]
+    }
+
+    fn angle_rad(&self, hull: &Position, leg: &Position) -> f32 {
+        leg.angle_rad - hull.angle_rad - self.reference_rad
     }
 
     /// The hinge seen from the hull's centre of mass, in the hull's frame: it sits at the hull's origin.
@@ -78,7 +85,7 @@ impl Hinge {
     /// The velocity equations at these positions; impulses of the last step are scaled by `step_ratio`.
     pub fn row(&mut self, positions: &[Position; BODIES], step_s: f32, step_ratio: f32) -> HingeRow<1> {
         let (hull, leg) = (positions[HULL], positions[self.leg]);
-        self.find_limit(leg.angle_rad - hull.angle_rad);
+        self.find_limit(self.angle_rad(&hull, &leg));
         for impulse in &mut self.impulse {
             *impulse *= step_ratio;
         }
@@ -132,7 +139,7 @@ impl Hinge {
     pub fn correct(&self, positions: &mut [Position; BODIES]) -> bool {
         let ((ma, ia), (mb, ib)) = self.inverse_masses();
         let [hull, leg] = [positions[HULL], positions[self.leg]];
-        let (angular_error, turn) = self.limit_correction(leg.angle_rad - hull.angle_rad, 1.0 / (ia + ib));
+        let (angular_error, turn) = self.limit_correction(self.angle_rad(&hull, &leg), 1.0 / (ia + ib));
         let hull = hull.turned(hull.angle_rad - ia * turn);
         let leg = leg.turned(leg.angle_rad + ib * turn);
 

@@ -106,11 +106,7 @@ impl<const L: usize> HingeRow<L> {
             return self.add(both);
         }
         let pin = self.pin(drift);
-        let mut impulse = both;
-        for axis in 0..3 {
-            impulse[axis] = lets_go.choose(pin[axis], both[axis]);
-        }
-        self.add(impulse)
+        self.add(std::array::from_fn(|axis| lets_go.choose(pin[axis], both[axis])))
     }
 
     /// Pin and limit held together.
@@ -138,9 +134,7 @@ impl<const L: usize> HingeRow<L> {
 
     #[inline(always)]
     fn add(&mut self, impulse: [Lanes<L>; 3]) -> [Lanes<L>; 3] {
-        for axis in 0..3 {
-            self.impulse[axis] = self.impulse[axis] + impulse[axis];
-        }
+        self.impulse = std::array::from_fn(|axis| self.impulse[axis] + impulse[axis]);
         impulse
     }
 }

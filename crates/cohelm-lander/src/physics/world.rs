@@ -83,6 +83,11 @@ impl World {
         }
     }
 
+    /// Whether a body touches any edge, which [`World::leg_contacts`] does not always say.
+    pub fn touches(&self, body: usize) -> bool {
+        self.contacts.iter().any(|contact| contact.body == body && contact.touching)
+    }
+
     /// Makes contacts of the pairs whose wide boxes have begun to overlap.
     pub(super) fn find_contacts(&mut self) {
         if !self.bodies.iter().any(|body| body.box_moved) {
