@@ -1,5 +1,6 @@
 //! What a model says of itself.
 
+use crate::outputs::Outputs;
 use cohelm::action::ActionSpace;
 use cohelm::registry::Task;
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,10 @@ pub struct Card {
     /// True if the values take what is asked as input, as a sentence of the paper has it.
     #[serde(default)]
     pub sees_asked: bool,
+    /// True if a switch space has one output a command, so that ties between commands of equal effect are broken by
+    /// noise; see [`outputs`](crate::outputs).
+    #[serde(default)]
+    pub free_outputs: bool,
     /// The seed it was trained from.
     pub seed: u64,
     /// What trained it: every option with its value.
@@ -63,6 +68,13 @@ pub struct Card {
     pub median_range: Option<f64>,
     /// How well it does, by whatever it was measured.
     pub scores: Value,
+}
+
+impl Card {
+    /// Which network output stands for which command; `None` if its space has no commands.
+    pub fn outputs(&self) -> Option<Outputs> {
+        if self.free_outputs { Outputs::free(&self.space) } else { Outputs::of(&self.space) }
+    }
 }
 
 /// The same seed gives the same weights where these are the same.

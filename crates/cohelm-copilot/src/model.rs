@@ -218,7 +218,7 @@ impl Check<'_> {
     }
 
     fn outputs(&self) -> Result<Outputs, ModelError> {
-        Outputs::of(&self.card.space).ok_or_else(|| ModelError::NoCommands { name: self.name() })
+        self.card.outputs().ok_or_else(|| ModelError::NoCommands { name: self.name() })
     }
 
     fn equal(&self, part: &'static str, expected: usize, found: usize) -> Result<(), ModelError> {

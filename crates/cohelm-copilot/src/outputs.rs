@@ -27,11 +27,18 @@ pub enum Outputs {
 impl Outputs {
     /// The mapping of a space; `None` for axes, which have no list of commands.
     pub fn of(space: &ActionSpace) -> Option<Self> {
-        match (space, space.commands()) {
-            (_, 0) => None,
-            (ActionSpace::Switches { switches }, _) => Some(Self::Toggles { switches: switches.len() }),
-            (_, commands) => Some(Self::Commands { commands, neutral: usize::from(space.neutral()) }),
+        match space {
+            ActionSpace::Switches { switches } if !switches.is_empty() => {
+                Some(Self::Toggles { switches: switches.len() })
+            }
+            _ => Self::free(space),
         }
+    }
+
+    /// One output a command even where some commands cannot be told apart: what Algorithm 1 as printed would have.
+    pub fn free(space: &ActionSpace) -> Option<Self> {
+        let (commands, neutral) = (space.commands(), usize::from(space.neutral()));
+        (commands > 0).then_some(Self::Commands { commands, neutral })
     }
 
     /// How many outputs the network has.

@@ -28,7 +28,7 @@ impl NetworkValues {
     /// A network with the card it came with; `None` if the card's space has no commands. Widths are those that
     /// [`Model`](crate::model::Model) checked.
     pub fn new(card: &Card, network: Arc<Mlp>) -> Option<Self> {
-        let outputs = Outputs::of(&card.space)?;
+        let outputs = card.outputs()?;
         let commands = outputs.commands();
         let encoder = ValueEncoder::new(card.state, if card.sees_asked { commands } else { 0 });
         let candidates = (0..commands).map(|command| Action::Command(command as u8)).collect();

@@ -1,1 +1,29 @@
-//! Being written.
+//! Training of co-pilots, written straight down: one function a model.
+//!
+//! | module | what it explains |
+//! |---|---|
+//! | [`values`] | [`train_values`]: what commands are worth, by double DQN (Algorithm 1 and what it needed) |
+//! | [`options`] | every option of it with its reason; presets `default` and `paper` |
+//! | [`evaluate`] | how well values fly when the goal is known |
+//!
+//! Plants come by name from a registry and simulated pilots from a factory: this crate names none. It does no input or
+//! output but the checkpoints it is asked for, and prints nothing: progress goes to a callback.
+#![forbid(unsafe_code)]
+
+mod curriculum;
+pub mod evaluate;
+mod job;
+mod learner;
+mod memory;
+pub mod options;
+mod parallel;
+mod progress;
+pub mod values;
+mod window;
+mod world;
+
+pub use evaluate::{Evaluation, evaluate};
+pub use job::{Job, LearnError, PilotFactory};
+pub use options::ValueOptions;
+pub use progress::{Profile, Progress};
+pub use values::{TrainedValues, train_values};

@@ -1,0 +1,46 @@
+//! cargo run --release -p cohelm-learn --example values -- SEED THREADS [PLANT] [OPTIONS AS JSON] [EPISODES]
+use cohelm::plant::Plant;
+use cohelm::registry::{Plants, Task};
+use cohelm_learn::{Job, ValueOptions, evaluate, train_values};
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let args: Vec<String> = std::env::args().collect();
+    let arg = |i: usize, usual: &str| args.get(i).cloned().unwrap_or_else(|| usual.into());
+    let mut plants = Plants::default();
+    plants.register(cohelm_lander::flags::entry());
+    let task: Task = serde_json::from_str(&arg(3, r#"{"plant":"flag-lander"}"#))?;
+    let seed: u64 = arg(1, "0").parse()?;
+    let options = arg(4, "{}");
+    let options: ValueOptions =
+        if options == "paper" { ValueOptions::paper() } else { serde_json::from_str(&options)? };
+    let job = Job { plants: &plants, task: &task, seed, threads: arg(2, "2").parse()?, name: "trial", variant: None };
+    let begun = Instant::now();
+    let mut next = 0;
+    let pilots = |plant: &dyn Plant, number: u64| {
+        cohelm_lander::pilots::participant(plant.space(), cohelm::human::Population::Ordinary, 1, number)
+            .map(|p| Box::new(p) as Box<dyn cohelm::pilot::Pilot>)
+            .map_err(|e| e.to_string())
+    };
+    let trained = train_values(&job, &options, Some(&pilots), &mut |p| {
+        if p.done >= next {
+            next = p.done + p.total / 15;
+            let numbers: Vec<String> = p.numbers.iter().map(|(n, v)| format!("{n} {v:.3}")).collect();
+            eprintln!("{:7} {:5.1}s {}", p.done, begun.elapsed().as_secs_f64(), numbers.join(", "));
+        }
+        ControlFlow::Continue(())
+    })?;
+    let took = begun.elapsed();
+    eprintln!("{:#?}", trained.profile);
+    let test = evaluate(&job, &trained.model, 1, arg(5, "300").parse()?)?;
+    println!(
+        "seed {seed} wall {:.1}s range {:?} validation {:.3} test {:.3} {:?}",
+        took.as_secs_f64(),
+        trained.model.card().median_range,
+        trained.validation.landed,
+        test.landed,
+        test
+    );
+    Ok(())
+}

@@ -1,0 +1,310 @@
+//! Values: what every command is worth, by double DQN from nothing but flying.
+
+use crate::curriculum::Curriculum;
+use crate::evaluate::{Evaluation, fly_fresh, median_range};
+use crate::job::{Job, LearnError, PilotFactory};
+use crate::learner::{Learner, MirroredInput};
+use crate::memory::Memory;
+use crate::options::{Exploration, Target, Updates, ValueOptions};
+use crate::parallel;
+use crate::progress::{Profile, Progress, Watch};
+use crate::world::{Flown, Policy, World, outputs_of};
+use cohelm::plant::Ending;
+use cohelm::random::{Draws, mix_seed};
+use cohelm_copilot::encode::{VALUES_VERSION, ValueEncoder};
+use cohelm_copilot::outputs::Outputs;
+use cohelm_copilot::values::NetworkValues;
+use cohelm_copilot::{Card, Kind, Model, TrainedWith};
+use cohelm_nn::mlp::{Head, Mlp, MlpShape};
+use serde_json::json;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Steps that every world flies in a round. Short: threads wait for each other; long: the worlds fly with an old
+/// network.
+const ROUND_STEPS: usize = 32;
+
+/// Streams of random numbers, apart from those of the worlds.
+mod stream {
+    pub const WEIGHTS: u64 = 0x1;
+    pub const BATCHES: u64 = 0x2;
+    pub const VALIDATION: u64 = 0x3;
+}
+
+/// What value training gives.
+#[derive(Clone, Debug)]
+pub struct TrainedValues {
+    /// The model, its card filled in.
+    pub model: Model,
+    /// How the chosen checkpoint did on the episodes by which it was chosen.
+    pub validation: Evaluation,
+    /// Where the time went.
+    pub profile: Profile,
+}
+
+/// Trains values from nothing (Algorithm 1 and what `options` add to it).
+///
+/// Worlds are flown and the network learns in fixed rounds: in each, the worlds fly a few steps with the network as it
+/// was when the round began, while the network learns from what was flown in the rounds before. So both may run at the
+/// same time, and the weights depend on the seed alone, not on the number of threads.
+pub fn train_values(
+    job: &Job<'_>,
+    options: &ValueOptions,
+    pilots: Option<PilotFactory<'_>>,
+    watch: Watch<'_>,
+) -> Result<TrainedValues, LearnError> {
+    let begun = Instant::now();
+    let mut training = Training::begin(job, options, pilots)?;
+    while training.steps() < options.steps {
+        training.round()?;
+        if training.validation_is_due() {
+            training.validate()?;
+        }
+        if watch(&training.progress()).is_break() {
+            return Err(LearnError::Stopped);
+        }
+    }
+    training.profile.wall = begun.elapsed();
+    training.finish()
+}
+
+struct Training<'a> {
+    job: &'a Job<'a>,
+    options: &'a ValueOptions,
+    outputs: Outputs,
+    worlds: Vec<World>,
+    learner: Learner,
+    memory: Memory,
+    curriculum: Curriculum,
+    rounds: u64,
+    /// Updates that ended episodes have earned and that are not done yet.
+    owed: f64,
+    updates: u64,
+    validations: u32,
+    best: Option<(Evaluation, Mlp)>,
+    recent: Recent,
+    profile: Profile,
+}
+
+impl<'a> Training<'a> {
+    fn begin(
+        job: &'a Job<'a>,
+        options: &'a ValueOptions,
+        pilots: Option<PilotFactory<'_>>,
+    ) -> Result<Self, LearnError> {
+        options.check(pilots.is_some())?;
+        let plant = job.plant()?;
+        let outputs = outputs_of(job, options, plant.as_ref())?;
+        let asked = if options.sees_asked { outputs.commands() } else { 0 };
+        let encoder = ValueEncoder::new(plant.view().state.len(), asked);
+        let head = if options.dueling { Head::Dueling } else { Head::Plain };
+        let shape = MlpShape::new(encoder.len(), &options.hidden, head(outputs.len()))
+            .map_err(|error| LearnError::Option { option: "hidden", reason: error.to_string() })?;
+        let mut draws = Draws::fork(job.seed, stream::WEIGHTS);
+        let online = Mlp::new(&shape, || draws.unit() as f32);
+        let mirror = plant.mirror().filter(|_| options.mirror);
+        let mirror = mirror.map(|mirror| MirroredInput::new(&mirror, outputs, asked));
+        let world = |number| World::new(job, options, pilots, &online, number);
+        Ok(Self {
+            job,
+            options,
+            outputs,
+            worlds: (0..options.worlds).map(world).collect::<Result<_, _>>()?,
+            memory: Memory::new(encoder.len(), options.memory),
+            curriculum: Curriculum::new(options.near_goal),
+            learner: Learner::begin(online, mirror, options),
+            rounds: 0,
+            owed: 0.0,
+            updates: 0,
+            validations: 0,
+            best: None,
+            recent: Recent::default(),
+            profile: Profile::default(),
+        })
+    }
+
+    /// Environment steps flown.
+    fn steps(&self) -> u64 {
+        self.rounds * (ROUND_STEPS * self.worlds.len()) as u64
+    }
+
+    /// How much of the run is over, from 0 to 1.
+    fn share(&self) -> f64 {
+        (self.steps() as f64 / self.options.steps as f64).min(1.0)
+    }
+
+    /// Flies and learns at the same time, then passes on what was flown.
+    fn round(&mut self) -> Result<(), LearnError> {
+        let acting = self.learner.online.clone();
+        let epsilon = epsilon(&self.options.exploration, self.steps(), self.share());
+        let updates = self.owed.floor();
+        let rate = learning_rate(self.options, self.share());
+        let mut draws = Draws::fork(mix_seed(self.job.seed, stream::BATCHES), self.rounds);
+        let Self { worlds, learner, memory, curriculum, options, rounds, profile, job, .. } = self;
+        let (collected, learnt) = parallel::both(
+            job.threads,
+            |threads| {
+                let begun = Instant::now();
+                parallel::map_mut(worlds, threads, |world| {
+                    let policy = Policy::Network { network: &acting, curriculum, epsilon, round: *rounds };
+                    world.fly(ROUND_STEPS, policy);
+                });
+                begun.elapsed()
+            },
+            || {
+                let begun = Instant::now();
+                let loss = learner.learn(memory, (updates as u64, rate), options, &mut draws, profile);
+                profile.learn += begun.elapsed();
+                loss
+            },
+        );
+        self.profile.collect += collected;
+        self.recent.loss = learnt?;
+        self.owed -= updates;
+        self.updates += updates as u64;
+        self.take_in();
+        Ok(())
+    }
+
+    /// Passes on what was flown in a round: to the memory, the curriculum, and what is still to be learnt.
+    fn take_in(&mut self) {
+        let before = self.steps();
+        self.rounds += 1;
+        for world in &self.worlds {
+            self.memory.append(&world.memory);
+            for flown in &world.flown {
+                self.curriculum.note(flown.start, flown.ending == Some(Ending::Goal));
+                self.recent.note(flown);
+                if before >= self.options.warm_up {
+                    self.owed += match self.options.updates {
+                        Updates::PerStep(share) => share * f64::from(flown.steps),
+                        Updates::PerEpisode(count) => count,
+                    };
+                }
+            }
+        }
+        if let Target::CopyEvery(period) = self.options.target
+            && before / period != self.steps() / period
+        {
+            self.learner.copy_target();
+        }
+    }
+
+    /// Checkpoints are compared at even distances over the second half of the run, the last one at its end.
+    fn validation_is_due(&self) -> bool {
+        let ValueOptions { validations, .. } = *self.options;
+        let due = |done: u32| 0.5 + 0.5 * f64::from(done + 1) / f64::from(validations);
+        self.validations < validations && self.share() >= due(self.validations)
+    }
+
+    /// Keeps the network if it flies fresh episodes better than any before; of equals the later.
+    fn validate(&mut self) -> Result<(), LearnError> {
+        let begun = Instant::now();
+        let values = self.as_values(&self.learner.online, None)?;
+        let set = mix_seed(self.job.seed, stream::VALIDATION);
+        let evaluation = fly_fresh(self.job, &values, set, self.options.validation_episodes)?;
+        let better = self.best.as_ref().is_none_or(|(best, _)| {
+            let score = |evaluation: &Evaluation| (evaluation.landed, evaluation.mean_return);
+            score(&evaluation) >= score(best)
+        });
+        if better {
+            self.best = Some((evaluation, self.learner.online.clone()));
+        }
+        self.validations += 1;
+        self.profile.validate += begun.elapsed();
+        Ok(())
+    }
+
+    fn progress(&self) -> Progress {
+        let best = self.best.as_ref().map_or(f64::NAN, |(evaluation, _)| evaluation.landed);
+        Progress {
+            stage: "values".into(),
+            done: self.steps(),
+            total: self.options.steps,
+            numbers: vec![
+                ("landed of the last 100", self.recent.landed()),
+                ("difficulty", self.curriculum.difficulty()),
+                ("updates", self.updates as f64),
+                ("loss", f64::from(self.recent.loss)),
+                ("best landed in validation", best),
+            ],
+        }
+    }
+
+    fn finish(mut self) -> Result<TrainedValues, LearnError> {
+        let (validation, network) = match self.best.take() {
+            Some(best) => best,
+            None => {
+                self.validate()?;
+                self.best.take().expect("the first is the best")
+            }
+        };
+        let range = median_range(self.job, &self.as_values(&network, None)?)?;
+        let card = Card { scores: json!({ "validation": validation }), ..self.card(Some(range))? };
+        Ok(TrainedValues { model: Model::of_values(&card, &network)?, validation, profile: self.profile })
+    }
+
+    fn as_values(&self, network: &Mlp, range: Option<f64>) -> Result<NetworkValues, LearnError> {
+        let values = NetworkValues::new(&self.card(range)?, Arc::new(network.clone()));
+        values.ok_or_else(|| LearnError::NoCommands(self.job.task.plant.clone()))
+    }
+
+    fn card(&self, median_range: Option<f64>) -> Result<Card, LearnError> {
+        let plant = self.job.plant()?;
+        Ok(Card {
+            name: self.job.name.into(),
+            kind: Kind::Values,
+            variant: self.job.variant.map(Into::into),
+            task: self.job.task.clone(),
+            plant_version: self.job.plants.entry(self.job.task)?.version,
+            space: plant.space().clone(),
+            state: plant.view().state.len(),
+            goals: plant.view().goals.len(),
+            encoder_version: VALUES_VERSION,
+            sees_asked: self.options.sees_asked,
+            free_outputs: self.outputs != Outputs::of(plant.space()).unwrap_or(self.outputs),
+            seed: self.job.seed,
+            options: json!(self.options),
+            trained_with: TrainedWith {
+                cohelm: env!("CARGO_PKG_VERSION").into(),
+                kernel: cohelm_nn::kernel_name(),
+            },
+            median_range,
+            scores: json!({}),
+        })
+    }
+}
+
+/// The last numbers of the learning curve.
+#[derive(Clone, Debug, Default)]
+struct Recent {
+    landed: Vec<bool>,
+    loss: f32,
+}
+
+impl Recent {
+    fn note(&mut self, flown: &Flown) {
+        if flown.own {
+            self.landed.push(flown.ending == Some(Ending::Goal));
+        }
+    }
+
+    fn landed(&self) -> f64 {
+        let last = &self.landed[self.landed.len().saturating_sub(100)..];
+        last.iter().filter(|landed| **landed).count() as f64 / last.len().max(1) as f64
+    }
+}
+
+fn epsilon(exploration: &Exploration, steps: u64, share: f64) -> f64 {
+    let Exploration { first, then, steps: over, last, last_from } = *exploration;
+    if share >= last_from {
+        return last;
+    }
+    let fallen = (steps as f64 / over.max(1) as f64).min(1.0);
+    first + fallen * (then - first)
+}
+
+fn learning_rate(options: &ValueOptions, share: f64) -> f32 {
+    let [first, last] = options.learning_rate;
+    first + share as f32 * (last - first)
+}

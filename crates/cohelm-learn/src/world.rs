@@ -1,0 +1,280 @@
+//! One of the worlds that are flown side by side to collect transitions.
+//!
+//! Everything random about an episode comes from the number of the world and of the episode, everything random about
+//! the choices in a round from the number of the world and of the round. So a log of what was carried out, one byte a
+//! step, is enough to make all transitions again: that is how training goes on after an interruption.
+
+use crate::curriculum::Curriculum;
+use crate::job::{Job, LearnError, PilotFactory};
+use crate::memory::Memory;
+use crate::options::ValueOptions;
+use crate::window::Window;
+use cohelm::action::Action;
+use cohelm::arbitration::{Arbiter, Likeness, MinimalIntervention, Pick, Stage};
+use cohelm::pilot::Pilot;
+use cohelm::plant::{Ending, Plant};
+use cohelm::random::{Draws, mix_seed};
+use cohelm::value::ActionValues;
+use cohelm_copilot::encode::ValueEncoder;
+use cohelm_copilot::outputs::Outputs;
+use cohelm_nn::mlp::{Mlp, MlpScratch};
+
+/// c in Eq. 3 where pilots steer in training: the mean of the paper's confidence.
+const CONFIDENCE_IN_TRAINING: f32 = 0.6;
+/// How often a teacher's command is replaced by a random one, so that its flights also show how to recover.
+const TEACHER_SLIPS: f64 = 0.04;
+
+/// Streams of random numbers, apart from each other.
+mod stream {
+    pub const EPISODES: u64 = 0x1000;
+    pub const STARTS: u64 = 0x2000;
+    pub const CHOICES: u64 = 0x3000;
+    pub const PILOTS: u64 = 0x4000;
+}
+
+/// What was carried out and where episodes began.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Log {
+    /// The start of each episode: its difficulty, or `None` for an ordinary one.
+    pub starts: Vec<Option<f64>>,
+    /// The command of each step.
+    pub executed: Vec<u8>,
+}
+
+/// How a finished episode went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Flown {
+    pub start: Option<f64>,
+    /// `None` if the trainer's own limit cut it off.
+    pub ending: Option<Ending>,
+    pub steps: u32,
+    /// Nobody but the network chose (but for exploration), so that it says how good the network is.
+    pub own: bool,
+}
+
+/// What decides in a round.
+pub(crate) enum Policy<'a> {
+    /// The network, as it was when the round began.
+    Network { network: &'a Mlp, curriculum: &'a Curriculum, epsilon: f64, round: u64 },
+    /// What was logged from that start and that step on.
+    Logged { log: &'a Log, start: usize, step: usize },
+}
+
+/// A plant, who flies it, and its episode.
+pub(crate) struct World {
+    number: u64,
+    seed: u64,
+    plant: Box<dyn Plant>,
+    teacher: bool,
+    pilot: Option<Box<dyn Pilot>>,
+    pilots_steer: bool,
+    cap: u32,
+    reward_scale: f32,
+    encoder: ValueEncoder,
+    outputs: Outputs,
+    window: Window,
+    values: ActionValues,
+    scratch: MlpScratch,
+    input: Vec<f32>,
+    episodes: u64,
+    episode: Option<Episode>,
+    /// Transitions of this round.
+    pub memory: Memory,
+    /// Episodes that ended in this round.
+    pub flown: Vec<Flown>,
+    /// Everything since the first round.
+    pub log: Log,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Episode {
+    start: Option<f64>,
+    steps: u32,
+}
+
+impl World {
+    /// World `number` of a training; the first ones have the teacher, the next ones pilots.
+    pub fn new(
+        job: &Job<'_>,
+        options: &ValueOptions,
+        pilots: Option<PilotFactory<'_>>,
+        network: &Mlp,
+        number: usize,
+    ) -> Result<Self, LearnError> {
+        let mut plant = job.plant()?;
+        let outputs = outputs_of(job, options, plant.as_ref())?;
+        let worlds = options.worlds as f64;
+        let with_teacher = (options.teacher * worlds).round() as usize;
+        let with_pilot = (options.pilots * worlds).round() as usize;
+        plant.reset(0);
+        let teacher = number < with_teacher && plant.teacher(0).is_some();
+        let piloted = (with_teacher..with_teacher + with_pilot).contains(&number);
+        let pilot = match pilots.filter(|_| piloted) {
+            Some(make) => Some(make(plant.as_ref(), number as u64).map_err(LearnError::Pilot)?),
+            None => None,
+        };
+        let commands = outputs.commands();
+        let encoder =
+            ValueEncoder::new(plant.view().state.len(), if options.sees_asked { commands } else { 0 });
+        let candidates = (0..commands).map(|command| Action::Command(command as u8)).collect();
+        Ok(Self {
+            number: number as u64,
+            seed: job.seed,
+            plant,
+            teacher,
+            pilot,
+            pilots_steer: options.pilots_steer,
+            cap: options.episode_cap,
+            reward_scale: options.reward_scale,
+            encoder,
+            outputs,
+            window: Window::new(options.n_step, options.discount),
+            values: ActionValues::equal(candidates).expect("there are commands"),
+            scratch: MlpScratch::new(network.shape()),
+            input: vec![0.0; encoder.len()],
+            episodes: 0,
+            episode: None,
+            memory: Memory::new(encoder.len(), usize::MAX),
+            flown: Vec::new(),
+            log: Log::default(),
+        })
+    }
+
+    /// Flies that many steps; transitions and episodes of earlier rounds are forgotten.
+    pub fn fly(&mut self, steps: usize, mut policy: Policy<'_>) {
+        self.memory.clear();
+        self.flown.clear();
+        let mut draws = match &policy {
+            Policy::Network { round, .. } => {
+                Draws::fork(mix_seed(self.seed, stream::CHOICES + self.number), *round)
+            }
+            Policy::Logged { .. } => Draws::new(0),
+        };
+        for _ in 0..steps {
+            self.step(&mut policy, &mut draws);
+        }
+    }
+
+    fn step(&mut self, policy: &mut Policy<'_>, draws: &mut Draws) {
+        let Episode { start, steps } = match self.episode {
+            Some(episode) => episode,
+            None => self.begin(policy),
+        };
+        let asked = self.look();
+        self.window.see(&self.input, &mut self.memory);
+        let command = match policy {
+            Policy::Network { network, epsilon, .. } => self.choose(network, asked, *epsilon, draws),
+            Policy::Logged { log, step, .. } => {
+                *step += 1;
+                log.executed[*step - 1]
+            }
+        };
+        self.log.executed.push(command);
+        let executed = Action::Command(command);
+        let output = self.outputs.output_of(Some(executed), self.plant.view().switches);
+        let step = self.plant.step(Some(executed));
+        self.window.act(&self.input, output, step.reward as f32 * self.reward_scale);
+        let steps = steps + 1;
+        self.episode = Some(Episode { start, steps });
+        if step.ending.is_some() || steps >= self.cap {
+            self.end(start, step.ending, steps);
+        }
+    }
+
+    fn begin(&mut self, policy: &mut Policy<'_>) -> Episode {
+        let start = match policy {
+            Policy::Network { curriculum, .. } => {
+                let starts = mix_seed(self.seed, stream::STARTS + self.number);
+                curriculum.next_start(&mut Draws::fork(starts, self.episodes))
+            }
+            Policy::Logged { log, start, .. } => {
+                *start += 1;
+                log.starts[*start - 1]
+            }
+        };
+        let seed = mix_seed(mix_seed(self.seed, stream::EPISODES + self.number), self.episodes);
+        let near = start.filter(|&difficulty| self.plant.reset_near_goal(seed, difficulty));
+        if near.is_none() {
+            self.plant.reset(seed);
+        }
+        if let Some(pilot) = &mut self.pilot {
+            pilot.begin(mix_seed(seed, stream::PILOTS));
+        }
+        self.log.starts.push(near);
+        Episode { start: near, steps: 0 }
+    }
+
+    /// Lets the pilot ask, and turns what is to be seen into the network's input.
+    fn look(&mut self) -> Option<Action> {
+        let (view, goal) = (self.plant.view(), self.plant.pilot_goal());
+        let asked = self.pilot.as_mut().and_then(|pilot| pilot.ask(&view, goal));
+        self.encoder.encode(&view, goal, asked, &mut self.input);
+        asked
+    }
+
+    fn choose(&mut self, network: &Mlp, asked: Option<Action>, epsilon: f64, draws: &mut Draws) -> u8 {
+        let commands = self.outputs.commands();
+        let random = |draws: &mut Draws| draws.below(commands) as u8;
+        if self.teacher {
+            let goal = self.plant.pilot_goal();
+            let taught = self.plant.teacher(goal).and_then(|action| action.command());
+            let slips = draws.chance(TEACHER_SLIPS);
+            return taught.filter(|_| !slips).map_or_else(|| random(draws), |command| command as u8);
+        }
+        if draws.chance(epsilon) {
+            return random(draws);
+        }
+        let switches = self.plant.view().switches;
+        let values = network.forward(&self.input, &mut self.scratch);
+        if self.pilots_steer && asked.is_some() {
+            let of_commands: Vec<f32> =
+                (0..commands).map(|command| values[self.outputs.output(command, switches)]).collect();
+            // Values of a network that diverges; training notices at the next update.
+            let equal = self.values.refill(&of_commands);
+            debug_assert!(equal.is_ok() || of_commands.iter().any(|value| !value.is_finite()));
+            return by_equation_4(self.plant.as_ref(), &self.values, asked);
+        }
+        let best = (1..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best });
+        self.outputs.command(best, switches).command().unwrap_or(0) as u8
+    }
+
+    fn end(&mut self, start: Option<f64>, ending: Option<Ending>, steps: u32) {
+        self.look();
+        let terminal = ending.is_some_and(Ending::is_terminal);
+        self.window.end(&self.input, terminal, &mut self.memory);
+        let own = !(self.teacher || self.pilots_steer && self.pilot.is_some());
+        self.flown.push(Flown { start, ending, steps, own });
+        self.episodes += 1;
+        self.episode = None;
+    }
+}
+
+/// Which output of the network stands for what.
+pub(crate) fn outputs_of(
+    job: &Job<'_>,
+    options: &ValueOptions,
+    plant: &dyn Plant,
+) -> Result<Outputs, LearnError> {
+    let outputs =
+        if options.effective_outputs { Outputs::of(plant.space()) } else { Outputs::free(plant.space()) };
+    outputs.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))
+}
+
+/// The choice of Eqs. 3 and 4 at the confidence of training.
+fn by_equation_4(plant: &dyn Plant, values: &ActionValues, asked: Option<Action>) -> u8 {
+    let likeness: Option<Vec<Likeness>> = asked.map(|asked| {
+        let wanted = plant.effect(Some(asked));
+        let like = |&candidate: &Action| Likeness {
+            similarity: plant.similarity(candidate, asked),
+            same_label: candidate == asked,
+            same_effect: plant.effect(Some(candidate)) == wanted,
+        };
+        values.candidates().iter().map(like).collect()
+    });
+    let stage = Stage { values, likeness: likeness.as_deref(), confidence: CONFIDENCE_IN_TRAINING };
+    let mut allowed = vec![false; values.candidates().len()];
+    match MinimalIntervention.decide(&stage, &mut allowed) {
+        Pick::Candidate(index) => index as u8,
+        _ => values.best() as u8,
+    }
+}
