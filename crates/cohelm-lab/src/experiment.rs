@@ -5,13 +5,13 @@
 use crate::episode::{EpisodeMeasures, Tally};
 use crate::parallel;
 use cohelm::arbitration::Rule;
-use cohelm::cockpit::{Cockpit, Silence};
+use cohelm::cockpit::{Cockpit, Silence, Tick};
 use cohelm::flight::fly;
 use cohelm::intent::Inference;
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
 use cohelm::random::mix_seed;
-use cohelm::registry::{Plants, Task};
+use cohelm::registry::{Plants, Task, TaskError};
 use cohelm::trajectory::{MAX_SEED, Setup, Trajectory};
 use cohelm_copilot::{CockpitError, Models, cockpit};
 use serde::Serialize;
@@ -57,8 +57,22 @@ pub struct Experiment {
     pub pilot: String,
 }
 
-/// Makes participant `index` of the draw that `seed` fixes.
-pub type MakePilot<'a> = &'a (dyn Fn(u64, usize) -> Box<dyn Pilot> + Sync);
+/// Makes participant `index` of the draw that `seed` fixes, for a plant; or says why it cannot.
+pub type MakePilot<'a> = &'a (dyn Fn(&dyn Plant, u64, usize) -> Result<Box<dyn Pilot>, String> + Sync);
+
+/// Why an experiment cannot be flown.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// There is no such plant.
+    #[error(transparent)]
+    Task(#[from] TaskError),
+    /// A model is missing or does not fit.
+    #[error(transparent)]
+    Cockpit(#[from] CockpitError),
+    /// A pilot could not be made.
+    #[error("a simulated pilot could not be made: {0}")]
+    Pilot(String),
+}
 
 /// What an experiment runs with.
 #[derive(Clone, Copy)]
@@ -90,15 +104,15 @@ pub struct Flown {
 
 impl Experiment {
     /// Flies it all; the order is by participant, then condition, then episode, whatever the number of threads.
-    pub fn run(&self, rig: &Rig<'_>) -> Result<Vec<Flown>, CockpitError> {
+    pub fn run(&self, rig: &Rig<'_>) -> Result<Vec<Flown>, ExperimentError> {
         self.check(rig)?;
         let jobs = self.participants * self.conditions.len() * self.episodes;
-        let flown = parallel::run(jobs, rig.threads, || (), |(), index| self.fly(rig, index));
+        let flown = parallel::run(jobs, rig.threads, |index| self.fly(rig, index));
         flown.into_iter().collect()
     }
 
     /// Makes one cockpit for every condition, so that what is missing is said before the first episode.
-    fn check(&self, rig: &Rig<'_>) -> Result<(), CockpitError> {
+    fn check(&self, rig: &Rig<'_>) -> Result<(), ExperimentError> {
         self.conditions.iter().try_for_each(|condition| self.seat(rig, condition, 0).map(|_| ()))
     }
 
@@ -107,7 +121,7 @@ impl Experiment {
         rig: &Rig<'_>,
         condition: &Condition,
         seed: u64,
-    ) -> Result<(Setup, Box<dyn Plant>, Cockpit), CockpitError> {
+    ) -> Result<(Setup, Box<dyn Plant>, Cockpit), ExperimentError> {
         let mut plant = rig.plants.make(&self.task)?;
         plant.reset(seed);
         let setup = Setup {
@@ -126,18 +140,19 @@ impl Experiment {
         Ok((setup, plant, cockpit))
     }
 
-    fn fly(&self, rig: &Rig<'_>, index: usize) -> Result<Flown, CockpitError> {
+    fn fly(&self, rig: &Rig<'_>, index: usize) -> Result<Flown, ExperimentError> {
         let episode = index % self.episodes;
         let condition = index / self.episodes % self.conditions.len();
         let participant = index / self.episodes / self.conditions.len();
         let seed = self.episode_seed(participant, episode);
         let (setup, mut plant, mut cockpit) = self.seat(rig, &self.conditions[condition], seed)?;
-        let mut pilot = (rig.pilots)(self.seed, participant);
+        let mut pilot =
+            (rig.pilots)(plant.as_ref(), self.seed, participant).map_err(ExperimentError::Pilot)?;
         let pilot_seed = mix_seed(seed, condition as u64);
         let mut tally = Tally::default();
-        let seat = (pilot.as_mut(), pilot_seed);
-        let trajectory =
-            fly(setup, plant.as_mut(), &mut cockpit, seat, |tick, plant| tally.note(tick, plant));
+        pilot.begin(pilot_seed);
+        let mut note = |tick: &Tick<'_>, plant: &dyn Plant| tally.note(tick, plant);
+        let trajectory = fly(setup, plant.as_mut(), &mut cockpit, pilot.as_mut(), &mut note);
         let measures = tally.finish(pilot.key_presses(), plant.ticks_per_second());
         Ok(Flown { participant, condition, episode, measures, trajectory })
     }

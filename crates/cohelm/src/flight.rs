@@ -82,18 +82,17 @@ impl Flight {
     }
 }
 
-/// Flies a whole episode with a simulated pilot, whose own seed is `pilot_seed`; `each` sees every tick and the plant
-/// after it.
+/// Flies a whole episode with a simulated pilot, which the caller has begun; `each` sees every tick and the plant after
+/// it.
 pub fn fly(
     setup: Setup,
     plant: &mut dyn Plant,
     cockpit: &mut Cockpit,
-    (pilot, pilot_seed): (&mut dyn Pilot, u64),
+    pilot: &mut dyn Pilot,
     mut each: impl FnMut(&Tick<'_>, &dyn Plant),
 ) -> Trajectory {
     plant.reset(setup.seed);
     cockpit.begin();
-    pilot.begin(pilot_seed);
     let mut recorder = Recorder::new(plant);
     while recorder.ending().is_none() {
         let tick = cockpit.tick(plant, pilot);

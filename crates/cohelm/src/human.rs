@@ -11,7 +11,7 @@
 //! ```
 //! use cohelm::arbitration::HumanAlone;
 //! use cohelm::cockpit::Cockpit;
-//! use cohelm::human::{Axis, HumanPilot, Motion, Plan, Population, Seen, Skill};
+//! use cohelm::human::{Axis, HumanPilot, Plan, Population, Seen, Skill};
 //! use cohelm::pilot::Pilot;
 //! use cohelm::plant::{Ending, Plant};
 //! use cohelm::point::Point;
@@ -32,9 +32,9 @@
 //!     }
 //! }
 //!
-//! let key = |name, minus| Axis { name, plus: Some(minus + 1), minus: Some(minus), release: 0.3, sustained: false };
-//! let moves = |place| Motion { place, speed: 2 + place, per_tick: 0.02, judged: true };
-//! let plan = Plan { axes: vec![key("x", 0), key("y", 2)], motions: vec![moves(0), moves(1)], shown: vec![] };
+//! let key = |name, minus| Axis { name, plus: Some(minus + 1), minus: Some(minus), release: 0.3, droppable: true };
+//! let axes = vec![key("x", 0), key("y", 2)];
+//! let plan = Plan { axes, moving: vec![0, 1, 2, 3], judged: vec![2, 3], shown: vec![] };
 //!
 //! let mut point = Point::new();
 //! let traits = Population::Ordinary.ranges().draw(&mut Draws::new(1));
@@ -57,7 +57,7 @@ mod traits;
 
 pub use mood::{CALM_DEAD_BANDS, Mood, REPRESS_FRUSTRATION};
 pub use population::{Population, UnknownPopulation};
-pub use skill::{Axis, Motion, Plan, Seen, Skill};
+pub use skill::{Axis, Plan, Seen, Skill};
 pub use traits::{NOISE_MEMORY, Ranges, SHORTEST_DWELL_TICKS, TraitError, Traits};
 
 use crate::action::{Action, ActionSpace};
@@ -157,12 +157,11 @@ impl HumanPilot {
 
     /// Judges what was there a reaction delay ago; false while nothing has been seen yet.
     fn see(&mut self) -> bool {
-        let Some(moment) = self.memory.recall() else { return false };
+        let Some(past) = self.memory.recall() else { return false };
         let plan = self.skill.plan();
-        let seen = self.eye.look(moment, &plan.motions, &self.traits);
-        self.skill.errors(&seen, &mut self.errors);
-        self.fingers.watch(moment, plan);
-        let conflict = conflict(moment, plan);
+        self.skill.errors(&self.eye.look(&past, plan, &self.traits), &mut self.errors);
+        self.fingers.watch(past.moment, plan);
+        let conflict = conflict(past.moment, plan);
         let dead_band = self.mood.dead_band(&self.traits);
         let calm = (0..self.errors.len()).all(|axis| self.urgency(axis) < CALM_DEAD_BANDS * dead_band);
         self.mood.feel(calm, conflict);
@@ -201,9 +200,9 @@ impl HumanPilot {
 
     fn turn_away_from(&mut self, axis: usize) {
         self.press_again = None;
-        let sustained = self.skill.plan().axes[axis].sustained;
-        if let Some(control) = self.held_on(axis) {
-            if !sustained || self.draws.chance(self.traits.drop_key) {
+        let droppable = self.skill.plan().axes[axis].droppable;
+        if let Some(control) = self.held_on(axis).filter(|_| droppable) {
+            if self.draws.chance(self.traits.drop_key) {
                 self.fingers.leave(control);
             }
         }
@@ -260,7 +259,7 @@ impl Pilot for HumanPilot {
     fn begin(&mut self, seed: u64) {
         self.draws = Draws::fork(seed, STREAM);
         self.memory.clear();
-        self.eye = Eye::new(&self.skill.plan().motions, &mut self.draws);
+        self.eye = Eye::new(self.skill.plan().judged.len(), &mut self.draws);
         self.errors.fill(0.0);
         self.mood = Mood::default();
         let axis = self.draws.below(self.errors.len());

@@ -5,8 +5,8 @@
 
 use cohelm::action::{Action, ActionSpace, Lever, Push, Switch};
 use cohelm::human::{
-    Axis, HumanError, HumanPilot, Mood, Motion, NOISE_MEMORY, Plan, Population, Ranges, SHORTEST_DWELL_TICKS,
-    Seen, Skill, Traits,
+    Axis, HumanError, HumanPilot, Mood, NOISE_MEMORY, Plan, Population, Ranges, SHORTEST_DWELL_TICKS, Seen,
+    Skill, Traits,
 };
 use cohelm::pilot::Pilot;
 use cohelm::plant::{Goal, View};
@@ -35,19 +35,19 @@ impl Skill for Reader {
     }
 }
 
-/// Keys 0 and 1 correct the first error, 2 and 3 the second; the second axis may be left with its key down.
+/// Keys 0 and 1 correct the first error, 2 and 3 the second, which may be dropped.
 fn plan(axes: usize) -> Plan {
     let axis = |i: u8| Axis {
         name: "error",
         plus: Some(2 * i),
         minus: Some(2 * i + 1),
         release: 0.3,
-        sustained: i == 1,
+        droppable: i == 1,
     };
-    let moves = Motion { place: 0, speed: 2, per_tick: 0.5, judged: true };
     Plan {
         axes: (0..axes as u8).map(axis).collect(),
-        motions: vec![moves],
+        moving: vec![0, 2],
+        judged: vec![2],
         shown: (LAMPS..LAMPS + 4).map(Some).collect(),
     }
 }
@@ -223,8 +223,8 @@ fn urgency_is_how_often_attention_goes_to_the_worst_axis() {
 }
 
 #[test]
-fn a_sustained_key_is_dropped_at_the_pilots_rate_and_others_always() {
-    let left_down = |axis: usize, drop_key| {
+fn a_droppable_key_is_dropped_at_the_pilots_rate_and_others_stay_down() {
+    let kept = |axis: usize, drop_key| {
         let error = if axis == 0 { [3.0, 0.0, 0.0] } else { [0.0, 3.0, 0.0] };
         let mut bench = Bench::new(Traits { drop_key, urgency: 0.0, ..PLAIN }, 2);
         let (mut switches, mut kept) = (0, 0);
@@ -241,9 +241,8 @@ fn a_sustained_key_is_dropped_at_the_pilots_rate_and_others_always() {
         }
         kept as f64 / switches as f64
     };
-    assert_eq!(left_down(0, 0.3), 0.0);
-    let kept = left_down(1, 0.3);
-    assert!((kept - 0.7).abs() < 0.05, "{kept}");
+    assert_eq!(kept(0, 0.3), 1.0);
+    assert!((kept(1, 0.3) - 0.7).abs() < 0.05, "{}", kept(1, 0.3));
 }
 
 #[test]
@@ -280,11 +279,14 @@ fn a_speed_is_misjudged_by_the_gain_and_by_slow_noise() {
 }
 
 #[test]
-fn prediction_carries_what_was_seen_forward_along_its_motion() {
-    for (prediction, expected) in [(0.0, 1.0), (0.5, 1.0 + 0.5 * 10.0 * 0.5 * 2.0), (1.0, 11.0)] {
+fn prediction_carries_places_and_speeds_forward_at_the_rate_last_seen() {
+    for (prediction, place, speed) in
+        [(0.0, 4.0, 8.0), (0.5, 4.0 + 5.0 * 0.25, 8.0 + 5.0 * 0.5), (1.0, 6.5, 13.0)]
+    {
         let mut bench = Bench::new(Traits { prediction, ..PLAIN }, 1);
-        bench.commands(11, |_| [1.0, 0.0, 2.0]);
-        assert_eq!(bench.seen.lock().expect("not poisoned")[0], expected);
+        bench.commands(17 + 10, |t| [0.25 * t as f32, 0.0, 0.5 * t as f32]);
+        let seen = bench.seen.lock().expect("not poisoned");
+        assert_eq!((seen[0], seen[2]), (place, speed), "seen: tick 16, and the one before");
     }
 }
 
@@ -396,13 +398,12 @@ fn levers_are_worked_by_the_same_person() {
     let space = ActionSpace::Levers { levers: vec![lever("first"), lever("second")] };
     let mut bench = Bench::over(&space, Traits { drop_key: 0.0, urgency: 0.0, ..PLAIN }, 2);
     let asked = bench.commands(300, |_| [2.0, -2.0, 0.0]);
-    let positions = |command: usize| (command / 3, command % 3);
-    let seen: Vec<_> = asked.into_iter().flatten().map(positions).collect();
-    assert!(
-        seen.contains(&(1, 2)) && seen.contains(&(0, 2)),
-        "the second lever stays while the first is moved"
+    assert_eq!(
+        asked.last(),
+        Some(&Some(2)),
+        "the first lever is back and stays, the second is ahead: 0 · 3 + 2"
     );
-    assert!(bench.pilot.key_presses() > 2);
+    assert_eq!(bench.pilot.key_presses(), 2);
 }
 
 #[test]

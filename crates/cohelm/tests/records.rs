@@ -64,7 +64,7 @@ fn flown_by_keys(rule: Rule) -> Trajectory {
 #[test]
 fn the_robot_alone_reaches_the_goal_of_the_point() {
     let (mut plant, mut cockpit) = (point(), cockpit(Rule::Robot, wanted()));
-    let flown = fly(setup(Rule::Robot, "silent"), plant.as_mut(), &mut cockpit, (&mut Silent, 0), |_, _| {});
+    let flown = fly(setup(Rule::Robot, "silent"), plant.as_mut(), &mut cockpit, &mut Silent, |_, _| {});
     assert_eq!(flown.ending, Ending::Goal);
 }
 

@@ -28,8 +28,10 @@ pub struct Seen<'a> {
 pub struct Plan {
     /// What is attended to, one at a time.
     pub axes: Vec<Axis>,
-    /// What moves, and how fast: lets the pilot carry what it saw forward to now.
-    pub motions: Vec<Motion>,
+    /// Components of the state that move smoothly, places and speeds: the pilot carries them forward to now.
+    pub moving: Vec<usize>,
+    /// Components of the state that are speeds judged by eye, and so misjudged.
+    pub judged: Vec<usize>,
     /// For each control of the action space: the component of the state that is above 1/2 while the control can be seen
     /// working (a flame, a lamp). `None` if nothing shows it; missing at the end means `None`.
     pub shown: Vec<Option<usize>>,
@@ -48,22 +50,9 @@ pub struct Axis {
     /// The key is let go once the error that it corrects has fallen below this, in the pilot's own dead bands. Near 1
     /// the key chatters; below 0 the pilot corrects beyond zero on purpose.
     pub release: f64,
-    /// True for a key that may stay down while the pilot attends to something else, as a throttle may; otherwise the
-    /// key is let go when attention leaves.
-    pub sustained: bool,
-}
-
-/// A component of the state that another one moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// The component that moves.
-    pub place: usize,
-    /// The component that is its speed.
-    pub speed: usize,
-    /// By how much `place` grows in a tick at a `speed` of 1.
-    pub per_tick: f64,
-    /// True if the speed is judged by eye, and so is misjudged; false if it is plain to see.
-    pub judged: bool,
+    /// True for a key that a pilot lets go with its `drop_key` probability when attention leaves, as one forgets a
+    /// throttle; otherwise the key stays as it is until attention comes back.
+    pub droppable: bool,
 }
 
 impl Axis {

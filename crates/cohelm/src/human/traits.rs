@@ -25,10 +25,10 @@ pub struct Traits {
     pub speed_noise: f64,
     /// Factor on the average person's dead bands. Low: presses at everything; high: lets things drift.
     pub dead_band: f64,
-    /// Probability that a sustained key is let go when attention leaves its axis.
+    /// Probability that a droppable key is let go when attention leaves its axis.
     pub drop_key: f64,
-    /// Share of the delay over which what was seen is carried forward along its motion. 0: flies by what was; 1: by
-    /// what would be now if nothing had been done since.
+    /// Share of the delay over which what was seen is carried forward in a straight line, places and speeds alike. 0:
+    /// flies by what was; 1: by what would be now if it had gone on as it went.
     pub prediction: f64,
     /// Probability that attention goes to the worst axis when it moves; otherwise to the next in turn.
     pub urgency: f64,
