@@ -29,9 +29,8 @@ pub const TICKS_PER_S: f64 = 50.0;
 pub const TICK_S: f64 = 1.0 / TICKS_PER_S;
 /// Height of Gymnasium's world, in world units.
 pub const WORLD_HEIGHT: f64 = 400.0 / SCALE;
-/// Tilt of a leg after Gymnasium's first tick, from where its motor turns it on to the hinge's limit of 0.4. A leg put at
-/// the limit itself would start with a knock.
-const LEG_HANGING_RAD: f64 = 0.49;
+/// Tilt at which the legs of a flying craft come to hang: the hinge's limit less the solver's tolerance, rad.
+const LEG_HANGING_RAD: f64 = 0.396;
 /// Impulse of the main engine per world unit of its arm and tick, at full throttle.
 const MAIN_ENGINE_POWER: f64 = 13.0;
 /// The same for a side engine.
@@ -167,7 +166,7 @@ impl Craft {
         Craft::assemble(ground, start, settings, [leg(LEGS[0], -1.0), leg(LEGS[1], 1.0)])
     }
 
-    /// Like [`Craft::place`], but the legs hang already as they do after Gymnasium's first tick. For starts near the ground:
+    /// Like [`Craft::place`], but the legs hang already as they do after a moment of flight. For starts near the ground:
     /// where Gymnasium puts the legs they are still beside the hull, which would touch the ground before them.
     pub fn place_hanging(ground: &Ground, start: &Start, settings: Settings) -> Craft {
         let (sin, cos) = (libm::sin(LEG_HANGING_RAD), libm::cos(LEG_HANGING_RAD));

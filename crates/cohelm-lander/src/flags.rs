@@ -96,7 +96,7 @@ impl FlagLander {
         start: &Start,
         seed: u64,
     ) -> Self {
-        let mut craft = Craft::place(&layout.ground, start, options.settings());
+        let mut craft = Craft::place_hanging(&layout.ground, start, options.settings());
         craft.tick(&Controls::IDLE);
         let mut lander = Self {
             options,

@@ -38,7 +38,7 @@ impl Rest {
         let hull = craft.hull();
         let still =
             hull.vx.abs() < REST_SPEED && hull.vy.abs() < REST_SPEED && hull.omega_rad_s.abs() < REST_SPIN;
-        let rests = still && craft.leg_contacts() == [true; 2];
+        let rests = still && craft.legs_touching() == [true; 2];
         self.ticks = if rests { self.ticks.saturating_add(1) } else { 0 };
     }
 

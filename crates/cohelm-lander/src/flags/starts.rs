@@ -4,7 +4,7 @@ use super::surface::Surface;
 use crate::craft::{Start, WORLD_HEIGHT, WORLD_WIDTH};
 use cohelm::random::Draws;
 
-/// Hull height above its pad at difficulty 0, world units: just above standing, so that nothing overlaps.
+/// Hull height above its pad at difficulty 0, world units: standing is 0.59, and from here it stands after a soft drop.
 const LOWEST: f64 = 0.75;
 /// How far from the hull's middle a leg may reach, world units.
 const REACH: f64 = 1.2;

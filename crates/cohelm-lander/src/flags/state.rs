@@ -62,7 +62,7 @@ pub(crate) fn position_of_world(world: [f64; 2]) -> [f64; 2] {
 pub(crate) fn observe(craft: &Craft, engines: &Engines) -> [f64; STATE_LENGTH] {
     let hull = craft.hull();
     let [x, y] = position_of_world([hull.x.into(), hull.y.into()]);
-    let [right_leg, left_leg] = craft.leg_contacts().map(|touches| f64::from(u8::from(touches)));
+    let [right_leg, left_leg] = craft.legs_touching().map(|touches| f64::from(u8::from(touches)));
     let mut state = [0.0; STATE_LENGTH];
     (state[X], state[Y]) = (x, y);
     state[VX] = f64::from(hull.vx) / SCALE_OF_VELOCITY[0];

@@ -1,8 +1,9 @@
 //! Flights of the flag task, held to its rules.
 
 use super::layout::Layout;
-use super::state::{LEFT_ENGINE, MAIN_ENGINE, MIRRORED, SPIN, TILT, VX, VY, X, Y};
+use super::state::{LEFT_ENGINE, MAIN_ENGINE, SPIN, TILT, VX, VY, X, Y};
 use super::*;
+use crate::craft::WORLD_WIDTH;
 use crate::flags::surface::Surface;
 use proptest::prelude::*;
 
@@ -69,7 +70,7 @@ fn landing_elsewhere_may_go_on_and_costs_nothing_then() {
 fn falling_is_a_crash() {
     let (reward, ending) = fly(&mut level(FlagOptions::default(), Start::at(10.0, 12.0)), |_| None);
     assert_eq!(ending, Ending::Crash);
-    assert!(reward < -1.0, "{reward}");
+    assert!(reward < 0.0, "{reward}");
 }
 
 #[test]
@@ -172,7 +173,7 @@ fn an_engine_stays_on_when_its_key_is_released_and_others_follow() {
 fn the_teacher_lands_at_the_goal() {
     let mut flight = lander(FlagOptions::default());
     let mut ticks = 0;
-    let landed = (0..60).filter(|&seed| {
+    let landed = (0..60).filter(|seed| {
         flight.reset(1000 + seed);
         let goal = flight.pilot_goal();
         let (_, ending) = fly(&mut flight, |flight| flight.teacher(goal));
@@ -187,12 +188,12 @@ fn the_teacher_lands_at_the_goal() {
 #[test]
 fn the_teacher_flies_to_whatever_goal_it_is_told() {
     let mut flight = lander(FlagOptions { elsewhere: Elsewhere::End, ..FlagOptions::default() });
-    let elsewhere = (0..20).filter(|&seed| {
-        flight.reset(seed);
+    let lands_there = |seed: &u64| {
+        flight.reset(*seed);
         let other = (flight.pilot_goal() + 1) % PADS;
         fly(&mut flight, |flight| flight.teacher(other)).1 == Ending::Elsewhere
-    });
-    assert!(elsewhere.count() >= 19);
+    };
+    assert!((0..20).filter(lands_there).count() >= 19);
     assert_eq!(flight.teacher(PADS), None);
 }
 
@@ -207,47 +208,44 @@ fn a_mirrored_flight_is_the_mirror_image_of_the_flight() {
     }
 }
 
-/// Both fly from mirrored starts over mirrored ground, with mirrored commands and scatter.
+/// Both fly from mirrored starts over mirrored ground, with mirrored commands and scatter, until one touches the ground:
+/// contacts are solved one after the other, and that order has no mirror image.
 fn mirror_flight(set: ActionSet, commands: &[u8]) {
     let terrain = |right: bool| {
         let heights = [2.0, 3.5, 3.0, 4.0, 2.5];
         let height = |i: usize| heights[if right { i } else { 4 - i }];
         Surface::new((0..5).map(|i| [5.0 * i as f64, height(i)]).collect())
     };
+    let options = with_actions(set);
     let begin = |terrain: Surface, centres, goal, start| {
         let layout = Layout::new(&terrain, centres, 1.5, goal);
-        let options = with_actions(set);
         FlagLander::begin(options, Arc::new(options.actions.space()), layout, &start, 0)
     };
     let start = Start { vx: 1.5, vy: 0.5, ..Start::at(8.0, 8.0) };
+    let mirrored_start = Start { x: WORLD_WIDTH - start.x, vx: -start.vx, ..start };
     let mut flight = begin(terrain(true), [4.0, 9.0, 17.0], 0, start);
-    let mut image = begin(
-        terrain(false),
-        [3.0, 11.0, 16.0],
-        2,
-        Start { x: crate::craft::WORLD_WIDTH - start.x, vx: -start.vx, ..start },
-    );
+    let mut image = begin(terrain(false), [3.0, 11.0, 16.0], 2, mirrored_start);
     let mirror = image.mirror().expect("a set with commands has a mirror");
     let mut draws = Draws::new(5);
-    for tick in 0..160 {
-        let command = commands[tick / 4 % commands.len()];
+    let mut ticks = 0;
+    while flight.craft.legs_touching() == [false; 2] && ticks < 200 {
+        let command = commands[ticks / 4 % commands.len()];
         let scatter = [draws.uniform(-1.0, 1.0), draws.uniform(-1.0, 1.0)];
-        let step = flight.advance(Some(Action::Command(command)), Dispersion::from_uniform(scatter));
-        let mirrored = Action::Command(mirror.commands[usize::from(command)]);
-        let seen = image.advance(Some(mirrored), Dispersion::from_uniform([scatter[0], -scatter[1]]));
-        for (i, &(from, sign)) in MIRRORED.iter().enumerate() {
+        let reward = flight.advance(Some(Action::Command(command)), Dispersion::from_uniform(scatter)).reward;
+        let command = Action::Command(mirror.commands[usize::from(command)]);
+        let image_reward =
+            image.advance(Some(command), Dispersion::from_uniform([scatter[0], -scatter[1]])).reward;
+        for (i, &(from, sign)) in mirror.state.iter().enumerate() {
             let (is, expected) = (image.shown[i], sign * flight.shown[from]);
             assert!(
-                (is - expected).abs() < 2e-3,
-                "{set:?}, tick {tick}, component {i}: {is}, not {expected}"
+                (is - expected).abs() < 1e-3,
+                "{set:?}, tick {ticks}, component {i}: {is}, not {expected}"
             );
         }
-        assert!((step.reward - seen.reward).abs() < 2e-3, "{set:?}, tick {tick}");
-        assert_eq!(step.ending, seen.ending);
-        if step.ending.is_some() {
-            return;
-        }
+        assert!((reward - image_reward).abs() < 1e-3, "{set:?}, tick {ticks}: {reward} and {image_reward}");
+        ticks += 1;
     }
+    assert!(ticks > 80, "{set:?}: a flight, not a fall: {ticks}");
 }
 
 #[test]
@@ -272,7 +270,7 @@ fn no_start_near_a_goal_is_over_before_it_began() {
     let mut flight = lander(FlagOptions::default());
     for seed in 0..400 {
         flight.reset_near_goal(seed, (seed % 20 + 1) as f64 / 20.0);
-        assert!(!flight.craft.hull_touched() && flight.craft.leg_contacts() == [false; 2], "seed {seed}");
+        assert!(!flight.craft.hull_touched() && flight.craft.legs_touching() == [false; 2], "seed {seed}");
     }
 }
 
