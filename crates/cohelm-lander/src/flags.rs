@@ -26,7 +26,7 @@
 
 pub(crate) mod actions;
 mod judge;
-mod layout;
+pub(crate) mod layout;
 pub(crate) mod options;
 pub(crate) mod picture;
 pub(crate) mod starts;

@@ -95,7 +95,8 @@ impl Action {
     /// Gymnasium's discrete action 0, 1, 2 or 3.
     pub const DISCRETE: [Action; 4] = [Action::Nothing, Action::Left, Action::Main, Action::Right];
 
-    fn engines(self) -> Engines {
+    /// What it burns.
+    pub fn engines(self) -> Engines {
         match self {
             Action::Nothing => Engines::OFF,
             Action::Left => Engines::LEFT,
@@ -184,12 +185,24 @@ impl GymnasiumLander {
         }
         let settings = Settings { gravity: self.options.gravity, ..Settings::EXACT };
         self.craft = Craft::place(&Ground::gymnasium(&self.heights), &start, settings);
-        // Gymnasium lets one tick pass and shows what came of it.
+        self.let_one_tick_pass()
+    }
+
+    /// Gymnasium does so and shows what came of it.
+    fn let_one_tick_pass(&mut self) -> Observation {
         self.advance(Engines::OFF);
         self.ticks = 0;
         let state = self.state();
         self.shaping = shaping(&state);
         observation(&state)
+    }
+
+    /// Begins the episode again from a start of one's own, with the legs hanging; ground, wind and random numbers go on.
+    /// Not in Gymnasium: for training that begins near the pad.
+    pub fn start_from(&mut self, start: &Start) -> Observation {
+        let settings = Settings { gravity: self.options.gravity, ..Settings::EXACT };
+        self.craft = Craft::place_hanging(&Ground::gymnasium(&self.heights), start, settings);
+        self.let_one_tick_pass()
     }
 
     /// `step(action)`. After an ending the world goes on as Gymnasium's does; call [`GymnasiumLander::reset`] instead.

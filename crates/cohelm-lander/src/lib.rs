@@ -6,7 +6,16 @@
 pub mod craft;
 pub mod flags;
 pub mod gymnasium;
+pub mod gymnasium_plant;
 mod physics;
 pub mod random;
 #[cfg(feature = "recording")]
 pub mod recording;
+
+use cohelm::registry::Plants;
+
+/// Makes the lander's plants known: `flag-lander` and `gymnasium-lander`.
+pub fn register(plants: &mut Plants) {
+    plants.register(flags::entry());
+    plants.register(gymnasium_plant::entry());
+}

@@ -1,6 +1,7 @@
 //! The four action sets, all on the same three engines.
 
 use crate::craft::Engines;
+use crate::gymnasium;
 use cohelm::action::{Action, ActionSpace, Lever, Push, Switch};
 use serde::{Deserialize, Serialize};
 
@@ -8,8 +9,6 @@ use serde::{Deserialize, Serialize};
 const SIDE_AXIS: u8 = 0;
 /// Along the hull: larger is upwards.
 const MAIN_AXIS: u8 = 1;
-/// Deflection of the side axis below which neither side engine burns, as in Gymnasium.
-const SIDE_DEAD_BAND: f64 = 0.5;
 
 /// Which actions pilot and co-pilot may take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -111,8 +110,9 @@ impl ActionSet {
             }
             (Self::Switches, _) => *before,
             (Self::MainSide, Some(Action::Command(command))) => main_side(command).full_throttle(),
-            (Self::Gymnasium, Some(Action::Command(command))) => single(command).full_throttle(),
-            (Self::Continuous, Some(Action::Axes([main, side, ..]))) => throttles(main.into(), side.into()),
+            (Self::Gymnasium, Some(Action::Command(_))) | (Self::Continuous, Some(Action::Axes(_))) => {
+                gymnasium_action(executed).engines()
+            }
             _ => Engines::OFF,
         }
     }
@@ -173,17 +173,14 @@ fn main_side(command: u8) -> Burning {
     main.with([Burning::LEFT, Burning::NONE, Burning::RIGHT][usize::from(command % 3)])
 }
 
-fn single(command: u8) -> Burning {
-    let commands = [Burning::NONE, Burning::LEFT, Burning::MAIN, Burning::RIGHT];
-    commands.get(usize::from(command)).copied().unwrap_or_default()
-}
-
-/// Gymnasium's continuous controls: main above 0 goes from half to full throttle, a side engine from half (at ±0.5).
-fn throttles(main: f64, side: f64) -> Engines {
-    let main = if main > 0.0 { (main.min(1.0) + 1.0) * 0.5 } else { 0.0 };
-    let power = if side.abs() > SIDE_DEAD_BAND { side.abs().min(1.0) } else { 0.0 };
-    let (left, right) = if side < 0.0 { (power, 0.0) } else { (0.0, power) };
-    Engines { main, left, right }
+/// The same in Gymnasium's words; nothing for a command it does not have.
+pub(crate) fn gymnasium_action(executed: Option<Action>) -> gymnasium::Action {
+    match executed {
+        Some(Action::Command(command)) => gymnasium::Action::DISCRETE.get(usize::from(command)).copied(),
+        Some(Action::Axes([main, side, ..])) => Some(gymnasium::Action::Throttles([main, side])),
+        None => None,
+    }
+    .unwrap_or(gymnasium::Action::Nothing)
 }
 
 #[cfg(test)]

@@ -94,6 +94,9 @@ pub enum OptionsError {
         /// Its default.
         usual: f64,
     },
+    /// What Gymnasium's lander refuses.
+    #[error(transparent)]
+    Gymnasium(#[from] crate::gymnasium::OptionError),
 }
 
 impl FlagOptions {
