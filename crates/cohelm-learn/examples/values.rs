@@ -1,7 +1,7 @@
 //! cargo run --release -p cohelm-learn --example values -- SEED THREADS [PLANT] [OPTIONS AS JSON] [EPISODES]
 use cohelm::plant::Plant;
 use cohelm::registry::{Plants, Task};
-use cohelm_learn::{Job, ValueOptions, evaluate, train_values};
+use cohelm_learn::{IntentOptions, Job, ValueOptions, evaluate, train_intent, train_values};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -15,7 +15,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = arg(4, "{}");
     let options: ValueOptions =
         if options == "paper" { ValueOptions::paper() } else { serde_json::from_str(&options)? };
-    let job = Job { plants: &plants, task: &task, seed, threads: arg(2, "2").parse()?, name: "trial", variant: None };
+    let job = Job {
+        plants: &plants,
+        task: &task,
+        seed,
+        threads: arg(2, "2").parse()?,
+        name: "trial",
+        variant: None,
+    };
     let begun = Instant::now();
     let mut next = 0;
     let pilots = |plant: &dyn Plant, number: u64| {
@@ -42,5 +49,33 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         test.landed,
         test
     );
+    let Ok(intent) = std::env::var("INTENT") else { return Ok(()) };
+    let options: IntentOptions = serde_json::from_str(&intent)?;
+    let begun = Instant::now();
+    let intent = train_intent(&job, &trained.model, &options, &pilots, &mut |p| {
+        let numbers: Vec<String> = p.numbers.iter().map(|(n, v)| format!("{n} {v:.4}")).collect();
+        eprintln!(
+            "{} {}/{} {:5.1}s {}",
+            p.stage,
+            p.done,
+            p.total,
+            begun.elapsed().as_secs_f64(),
+            numbers.join(", ")
+        );
+        ControlFlow::Continue(())
+    })?;
+    println!("{:#?} {} bytes", intent.profile, intent.model.bytes().len());
+    for closed in &intent.closed_loop {
+        println!("{closed:?}");
+    }
+    for head in &intent.scores {
+        println!("{:?}", head.head);
+        for s in std::iter::once(&head.all).chain(&head.by_time) {
+            println!(
+                "{:4}.. n {:6} acc {:.3} c {:.3} ece {:.3} nll {:.3}",
+                s.from, s.ticks, s.accuracy, s.confidence, s.calibration_error, s.surprise
+            );
+        }
+    }
     Ok(())
 }

@@ -12,18 +12,27 @@
 
 mod curriculum;
 pub mod evaluate;
+mod fit;
+mod flights;
+pub mod intent;
+pub mod intent_options;
 mod job;
 mod learner;
 mod memory;
 pub mod options;
 mod parallel;
 mod progress;
+mod score;
+mod sequence;
 pub mod values;
 mod window;
 mod world;
 
 pub use evaluate::{Evaluation, evaluate};
+pub use intent::{ClosedLoop, FIRST_TEST_PILOT, IntentProfile, TrainedIntent, train_intent};
+pub use intent_options::IntentOptions;
 pub use job::{Job, LearnError, PilotFactory};
 pub use options::ValueOptions;
-pub use progress::{Profile, Progress};
+pub use progress::{Profile, Progress, Watch};
+pub use score::{HeadScores, IntentScore};
 pub use values::{TrainedValues, train_values};

@@ -1,0 +1,325 @@
+//! Intent: which goal the pilot wants, by LSTMs that learn from flights in which they took part.
+
+use crate::fit::{Aim, Fitting};
+use crate::flights::{Flight, Guide, Help, Plan, RULES, fly_all, pilot_of};
+use crate::intent_options::IntentOptions;
+use crate::job::{Job, LearnError, PilotFactory};
+use crate::parallel;
+use crate::progress::{Progress, Watch};
+use crate::score::{HeadScores, score};
+use crate::sequence::Sequence;
+use cohelm::arbitration::Rule;
+use cohelm::intent::Head;
+use cohelm::plant::Ending;
+use cohelm::random::{Draws, mix_seed};
+use cohelm_copilot::encode::{INTENT_VERSION, IntentEncoder};
+use cohelm_copilot::model::IntentNetworks;
+use cohelm_copilot::values::NetworkValues;
+use cohelm_copilot::{Card, Kind, Model, Network, TrainedWith};
+use cohelm_nn::goal_head;
+use cohelm_nn::lstm::{Lstm, LstmShape};
+use serde::Serialize;
+use serde_json::json;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Numbers of the pilots that intent is scored on begin here; those it learns from are below.
+pub const FIRST_TEST_PILOT: u64 = 1_000;
+
+/// Streams of random numbers, apart from all others.
+mod stream {
+    pub const WEIGHTS: u64 = 0x4_0000;
+    pub const ORDER: u64 = 0x5_0000;
+    /// Numbers of the episodes on which it is scored begin here.
+    pub const TEST_EPISODES: u64 = 1 << 40;
+}
+
+/// What intent training gives.
+#[derive(Clone, Debug)]
+pub struct TrainedIntent {
+    /// The model, its card filled in.
+    pub model: Model,
+    /// Accuracy, mean c and calibration error against time, for each head, on flights of pilots it never met.
+    pub scores: Vec<HeadScores>,
+    /// How flights with those pilots went, with each head in the loop.
+    pub closed_loop: Vec<ClosedLoop>,
+    /// Where the time went.
+    pub profile: IntentProfile,
+}
+
+/// Flights under minimal intervention (Eqs. 3–4) with one head in the loop and pilots it never met.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClosedLoop {
+    /// Which head.
+    pub head: Head,
+    /// Episodes flown.
+    pub episodes: usize,
+    /// Share that ended at the pilot's goal.
+    pub landed: f64,
+    /// Share that ended elsewhere.
+    pub elsewhere: f64,
+    /// Share of all ticks at which the goal that was taken was the pilot's.
+    pub right: f64,
+    /// The same at the middle tick of each episode.
+    pub right_midway: f64,
+    /// The same at the last tick.
+    pub right_at_end: f64,
+}
+
+/// Where the time of intent training went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct IntentProfile {
+    /// Altogether, by the clock.
+    pub wall: Duration,
+    /// Flying.
+    pub fly: Duration,
+    /// Fitting.
+    pub fit: Duration,
+    /// Scoring, its flights included.
+    pub score: Duration,
+}
+
+/// Trains intent for a value model, with simulated pilots of numbers below [`FIRST_TEST_PILOT`].
+pub fn train_intent(
+    job: &Job<'_>,
+    values: &Model,
+    options: &IntentOptions,
+    pilots: PilotFactory<'_>,
+    watch: Watch<'_>,
+) -> Result<TrainedIntent, LearnError> {
+    let begun = Instant::now();
+    let mut training = Training::begin(job, values, options, pilots)?;
+    let mut networks = None;
+    for round in 0..=options.rounds {
+        training.fly(round, networks.as_ref())?;
+        networks = Some(training.fit(round, watch)?);
+    }
+    training.profile.wall = begun.elapsed();
+    training.finish(networks.expect("there is at least one round"))
+}
+
+struct Training<'a> {
+    job: &'a Job<'a>,
+    options: &'a IntentOptions,
+    values: &'a Model,
+    help: Help<'a>,
+    card: Card,
+    sequences: Vec<Sequence>,
+    episodes: u64,
+    profile: IntentProfile,
+}
+
+impl<'a> Training<'a> {
+    fn begin(
+        job: &'a Job<'a>,
+        values: &'a Model,
+        options: &'a IntentOptions,
+        pilots: PilotFactory<'a>,
+    ) -> Result<Self, LearnError> {
+        options.check()?;
+        let help = Help {
+            values: values_of(job, values)?,
+            median_range: values.card().median_range.unwrap_or(f64::NAN),
+            pilots,
+        };
+        let card = card(job, options, values)?;
+        Ok(Self {
+            job,
+            options,
+            values,
+            help,
+            card,
+            sequences: Vec::new(),
+            episodes: 0,
+            profile: IntentProfile::default(),
+        })
+    }
+
+    /// Flies the episodes of a round and adds them to all before.
+    fn fly(&mut self, round: u32, networks: Option<&Arc<IntentNetworks>>) -> Result<(), LearnError> {
+        let begun = Instant::now();
+        let kinds = match networks {
+            None => first_kinds(),
+            Some(networks) => self.kinds_with(networks),
+        };
+        let episodes =
+            if round == 0 { self.options.first_episodes * kinds.len() } else { self.options.round_episodes };
+        let plans: Vec<Plan> = (0..episodes)
+            .map(|i| {
+                let episode = self.episodes + i as u64;
+                let (rule, guide) = kinds[i % kinds.len()].clone();
+                let pilot = pilot_of(self.job.seed, episode, self.options.pilots, self.options.silent);
+                Plan { rule, guide, pilot, episode }
+            })
+            .collect();
+        let flights = fly_all(self.job, &self.help, &plans)?;
+        self.sequences.extend(flights.into_iter().map(|flight| flight.sequence));
+        self.episodes += episodes as u64;
+        self.profile.fly += begun.elapsed();
+        Ok(())
+    }
+
+    /// Every rule with every head, so that the network meets whatever it may cause.
+    fn kinds_with(&self, networks: &Arc<IntentNetworks>) -> Vec<(Rule, Guide)> {
+        let guide = |head| Guide::Network(Box::new(self.card.clone()), networks.clone(), head);
+        RULES.into_iter().flat_map(|rule| Head::ALL.map(|head| (rule, guide(head)))).collect()
+    }
+
+    /// Fits both networks, from nothing, to all flights so far.
+    fn fit(&mut self, round: u32, watch: Watch<'_>) -> Result<Arc<IntentNetworks>, LearnError> {
+        let begun = Instant::now();
+        let mut fittings = [Aim::Position, Aim::Likelihood].map(|aim| self.fresh(aim, round));
+        for epoch in 0..self.options.epochs {
+            let losses = parallel::map_mut(&mut fittings, self.job.threads, |(aim, fitting)| {
+                let seed = mix_seed(self.job.seed, stream::ORDER + *aim as u64);
+                let mut draws = Draws::fork(mix_seed(seed, round.into()), epoch.into());
+                fitting.epoch(&self.sequences, *aim, epoch, self.options, &mut draws)
+            });
+            let progress = Progress {
+                stage: format!("intent, round {round} of {}", self.options.rounds),
+                done: u64::from(epoch) + 1,
+                total: self.options.epochs.into(),
+                numbers: vec![
+                    ("flights", self.sequences.len() as f64),
+                    ("squared error", losses[0]),
+                    ("cross-entropy", losses[1]),
+                ],
+            };
+            if watch(&progress).is_break() {
+                return Err(LearnError::Stopped);
+            }
+            if losses.iter().any(|loss| !loss.is_finite()) {
+                return Err(LearnError::Diverged { updates: fittings[0].1.adam.steps() });
+            }
+        }
+        let [(_, regression), (_, calibrated)] = fittings;
+        self.profile.fit += begun.elapsed();
+        Ok(Arc::new(IntentNetworks { regression: regression.network, calibrated: calibrated.network }))
+    }
+
+    fn fresh(&self, aim: Aim, round: u32) -> (Aim, Fitting) {
+        let seed = mix_seed(self.job.seed, stream::WEIGHTS + aim as u64);
+        let mut draws = Draws::fork(seed, round.into());
+        let shape = shape(&self.card, aim, self.options.cells);
+        (aim, Fitting::begin(Lstm::new(shape, || draws.unit() as f32), self.options))
+    }
+
+    /// Scores the last networks with pilots that they never met.
+    fn finish(mut self, networks: Arc<IntentNetworks>) -> Result<TrainedIntent, LearnError> {
+        let begun = Instant::now();
+        let (closed_loop, sequences) = self.test(&networks)?;
+        let sequences: Vec<&Sequence> = sequences.iter().collect();
+        let scores =
+            parallel::map(Head::ALL.len(), self.job.threads, |i| score(&networks, Head::ALL[i], &sequences));
+        self.profile.score = begun.elapsed();
+        self.profile.wall += self.profile.score;
+        let card = Card {
+            scores: json!({ "closed_loop": closed_loop, "heads": scores, "values": self.values.hash() }),
+            ..self.card
+        };
+        let model = Model::of_intent(&card, &networks)?;
+        Ok(TrainedIntent { model, scores, closed_loop, profile: self.profile })
+    }
+
+    fn test(&self, networks: &Arc<IntentNetworks>) -> Result<(Vec<ClosedLoop>, Vec<Sequence>), LearnError> {
+        let (mut closed_loop, mut sequences) = (Vec::new(), Vec::new());
+        for head in Head::ALL {
+            let guide = Guide::Network(Box::new(self.card.clone()), networks.clone(), head);
+            let episodes = self.options.test_pilots * self.options.test_episodes as u64;
+            let plans: Vec<Plan> = (0..episodes)
+                .map(|i| Plan {
+                    rule: Rule::Misc,
+                    guide: guide.clone(),
+                    pilot: Some(FIRST_TEST_PILOT + i % self.options.test_pilots),
+                    episode: stream::TEST_EPISODES + i,
+                })
+                .collect();
+            let flights = fly_all(self.job, &self.help, &plans)?;
+            closed_loop.push(summary(head, &flights));
+            sequences.extend(flights.into_iter().map(|flight| flight.sequence));
+        }
+        Ok((closed_loop, sequences))
+    }
+}
+
+/// How episodes are flown before there is a network: a person alone, one whom values that know the goal help a little,
+/// and one whom they do not let fly.
+fn first_kinds() -> Vec<(Rule, Guide)> {
+    vec![
+        (Rule::Hic, Guide::Nobody),
+        (Rule::Tolerance { alpha: 0.4 }, Guide::Truth),
+        (Rule::Robot, Guide::Truth),
+    ]
+}
+
+fn shape(card: &Card, aim: Aim, cells: usize) -> LstmShape {
+    let encoder = IntentEncoder::new(card.space.commands(), card.state, card.goals);
+    let (input, output) = match aim {
+        Aim::Position => (encoder.without_goals(), 2),
+        Aim::Likelihood => (encoder.with_goals(), goal_head::OUTPUTS),
+    };
+    LstmShape::new(input, cells, output).expect("a card's widths are small")
+}
+
+fn values_of(job: &Job<'_>, model: &Model) -> Result<NetworkValues, LearnError> {
+    let Network::Values(network) = model.network() else {
+        let reason = format!("{:?} infers intent; give a value model", model.card().name);
+        return Err(LearnError::Option { option: "values", reason });
+    };
+    let plant = job.plant()?;
+    if model.card().space != *plant.space() || model.card().task.plant != job.task.plant {
+        let reason =
+            format!("{:?} was trained for another plant or another set of actions", model.card().name);
+        return Err(LearnError::Option { option: "values", reason });
+    }
+    let values = NetworkValues::new(model.card(), network.clone());
+    values.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))
+}
+
+fn card(job: &Job<'_>, options: &IntentOptions, values: &Model) -> Result<Card, LearnError> {
+    let plant = job.plant()?;
+    let view = plant.view();
+    if view.goals.len() < 2 {
+        let reason =
+            format!("{:?} has {} goals; there is nothing to infer", job.task.plant, view.goals.len());
+        return Err(LearnError::Option { option: "task", reason });
+    }
+    Ok(Card {
+        name: job.name.into(),
+        kind: Kind::Intent,
+        variant: job.variant.map(Into::into),
+        task: job.task.clone(),
+        plant_version: job.plants.entry(job.task)?.version,
+        space: plant.space().clone(),
+        state: view.state.len(),
+        goals: view.goals.len(),
+        encoder_version: INTENT_VERSION,
+        sees_asked: false,
+        free_outputs: false,
+        seed: job.seed,
+        options: json!({ "training": options, "values": values.hash() }),
+        trained_with: TrainedWith {
+            cohelm: env!("CARGO_PKG_VERSION").into(),
+            kernel: cohelm_nn::kernel_name(),
+        },
+        median_range: None,
+        scores: json!({}),
+    })
+}
+
+fn summary(head: Head, flights: &[Flight]) -> ClosedLoop {
+    let episodes = flights.len();
+    let share = |of: &dyn Fn(&Flight) -> bool| {
+        flights.iter().filter(|flight| of(flight)).count() as f64 / episodes.max(1) as f64
+    };
+    let ticks: Vec<bool> = flights.iter().flat_map(|flight| flight.right.iter().copied()).collect();
+    ClosedLoop {
+        head,
+        episodes,
+        landed: share(&|flight| flight.ending == Ending::Goal),
+        elsewhere: share(&|flight| flight.ending == Ending::Elsewhere),
+        right: ticks.iter().filter(|right| **right).count() as f64 / ticks.len().max(1) as f64,
+        right_midway: share(&|flight| flight.right.get(flight.right.len() / 2) == Some(&true)),
+        right_at_end: share(&|flight| flight.right.last() == Some(&true)),
+    }
+}
