@@ -8,6 +8,7 @@ pub mod flags;
 pub mod gymnasium;
 pub mod gymnasium_plant;
 mod physics;
+pub mod pilots;
 pub mod random;
 #[cfg(feature = "recording")]
 pub mod recording;

@@ -83,8 +83,7 @@ impl Fingers {
         let slipped = slips && !others.is_empty();
         let control = if slipped { others[draws.below(others.len())] } else { wanted };
         self.keyboard.change(Change::Down(control));
-        let (held_ticks, leaving, asked, seen_working) = (0, false, false, false);
-        self.down.push(Finger { control, held_ticks, leaving, slipped, asked, seen_working });
+        self.down.push(Finger { slipped, ..Finger::on(control) });
     }
 
     /// Lets a key go.
@@ -103,15 +102,11 @@ impl Fingers {
     /// What the keys ask for now.
     pub(super) fn ask(&mut self) -> Option<Action> {
         let asked = self.keyboard.next_request();
-        let command = asked.and_then(|action| action.command());
+        let stays = matches!(self.space, ActionSpace::Switches { .. });
         for finger in &mut self.down {
-            let control = usize::from(finger.control);
             finger.held_ticks += 1;
-            match self.space {
-                ActionSpace::Switches { .. } => finger.asked |= command == Some(2 * control),
-                ActionSpace::Single { .. } => finger.asked = command == Some(control + 1),
-                ActionSpace::Levers { .. } | ActionSpace::Axes { .. } => finger.asked = true,
-            }
+            let asked_now = asked.is_some_and(|asked| is_asked(&self.space, asked, finger.control.into()));
+            finger.asked = asked_now || (stays && finger.asked);
         }
         asked
     }
@@ -127,9 +122,33 @@ impl Fingers {
 }
 
 impl Finger {
+    fn on(control: u8) -> Self {
+        Self { control, held_ticks: 0, leaving: false, slipped: false, asked: false, seen_working: false }
+    }
+
     fn may_release(&self, traits: &Traits) -> bool {
         let held = self.held_ticks >= traits.hold_ticks.max(1);
         held && (self.slipped || self.seen_working || self.held_ticks >= traits.insist_ticks)
+    }
+}
+
+/// True if an action sets a control working; with switches it then stays so.
+fn is_asked(space: &ActionSpace, asked: Action, control: usize) -> bool {
+    match space {
+        ActionSpace::Switches { .. } => asked.command() == Some(2 * control),
+        ActionSpace::Single { .. } => asked.command() == Some(control + 1),
+        ActionSpace::Levers { levers } => {
+            let positions = space.levers_of(asked.command().unwrap_or_default() as u8);
+            let moved = levers.iter().zip(positions).flat_map(|(lever, at)| {
+                let others = 0..lever.positions.len() as u8;
+                others.filter(|&other| other != lever.neutral).map(move |other| other == at)
+            });
+            moved.into_iter().nth(control).unwrap_or(false)
+        }
+        ActionSpace::Axes { .. } => {
+            let deflection = asked.axis(control / 2);
+            if control % 2 == 0 { deflection < 0.0 } else { deflection > 0.0 }
+        }
     }
 }
 
