@@ -3,5 +3,10 @@
 //!
 //! Knows no network, no async, no plant and no rule: it gets tables of numbers with names and says what they show.
 
+pub mod apa;
+pub mod csv;
+pub mod figures;
+pub mod measures;
 pub mod statistics;
+pub mod text;
 pub mod verify;

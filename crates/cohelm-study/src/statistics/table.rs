@@ -109,6 +109,27 @@ impl Table {
         Ok(made)
     }
 
+    /// A table of means: each cell is the mean of the values given for its participant and condition, by index; cells
+    /// without a value are missing, and values of unknown participants or conditions are not looked at.
+    ///
+    /// # Errors
+    /// Duplicate names, values that are not finite.
+    pub fn of_means(
+        participants: Vec<String>,
+        conditions: Vec<String>,
+        values: impl IntoIterator<Item = (usize, usize, f64)>,
+    ) -> Result<Listwise, TableError> {
+        let mut sums = vec![vec![(0.0, 0_u32); conditions.len()]; participants.len()];
+        for (participant, condition, value) in values {
+            if let Some(cell) = sums.get_mut(participant).and_then(|row| row.get_mut(condition)) {
+                *cell = (cell.0 + value, cell.1 + 1);
+            }
+        }
+        let mean = |(sum, count): (f64, u32)| (count > 0).then(|| sum / f64::from(count));
+        let rows = sums.into_iter().map(|row| row.into_iter().map(mean).collect()).collect();
+        Self::listwise(participants, conditions, rows)
+    }
+
     /// Names of the participants, in row order.
     pub fn participants(&self) -> &[String] {
         &self.participants
@@ -255,6 +276,14 @@ mod tests {
         assert_eq!(made.table.participants(), ["ann", "cy"]);
         assert_eq!(made.table.column(1), Some(vec![2.0, 4.0]));
         assert_eq!(made.table.column(2), None);
+    }
+
+    #[test]
+    fn means_of_episodes_leave_unflown_cells_missing() {
+        let values = [(0, 0, 1.0), (0, 0, 2.0), (0, 1, 5.0), (1, 0, 9.0), (7, 0, 1.0)];
+        let made = Table::of_means(names(&["ann", "bob"]), names(&["HIC", "MISC"]), values).unwrap();
+        assert_eq!((made.table.rows(), made.left_out), (&[vec![1.5, 5.0]][..], names(&["bob"])));
+        assert!(Table::of_means(names(&["ann"]), names(&["HIC"]), [(0, 0, f64::NAN)]).is_err());
     }
 
     #[test]

@@ -1,0 +1,381 @@
+//! What is measured of an episode, in words: one definition for tables, reports and data dictionaries.
+//!
+//! Keys are the column names of every CSV file. A participant's value is the mean over that participant's episodes in a
+//! condition, unless the definition says otherwise; episodes without a value are left out of the mean.
+
+use crate::apa::{number, percent};
+use crate::csv::{Cell, Csv};
+use crate::text::Text;
+use serde::Serialize;
+
+/// In what a measure counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// One of a list of words.
+    Word,
+    /// Yes or no.
+    Truth,
+    /// A share of one, printed as percent.
+    Share,
+    /// A count; the word says of what.
+    Count(&'static str),
+    /// Times a second.
+    PerSecond(&'static str),
+    /// A number on a scale of its own.
+    Number,
+}
+
+impl Unit {
+    /// The unit as a data dictionary names it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Unit::Word => "word",
+            Unit::Truth => "true or false",
+            Unit::Share => "share of one",
+            Unit::Count(of) | Unit::PerSecond(of) => of,
+            Unit::Number => "number",
+        }
+    }
+}
+
+/// Which values a measure can take.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Range {
+    /// One of these words.
+    OneOf(&'static [&'static str]),
+    /// From 0 to 1.
+    Unit,
+    /// Zero or more.
+    NotNegative,
+    /// Any finite number.
+    Any,
+}
+
+impl Range {
+    /// The range as a data dictionary writes it.
+    pub fn words(self) -> String {
+        match self {
+            Range::OneOf(words) => words.join(" | "),
+            Range::Unit => "0 to 1".to_owned(),
+            Range::NotNegative => "0 or more".to_owned(),
+            Range::Any => "any".to_owned(),
+        }
+    }
+}
+
+/// The definition of one measure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Measure {
+    /// Column name.
+    pub key: &'static str,
+    /// Name in tables and figures, in lower case, as it stands within a sentence.
+    pub name: &'static str,
+    /// What is counted, exactly.
+    pub meaning: &'static str,
+    /// In what it counts.
+    pub unit: Unit,
+    /// Which values it can take.
+    pub range: Range,
+    /// When an episode has no value; empty if it always has one.
+    pub missing_when: &'static str,
+    /// Decimals of a mean in tables and sentences (of percent, for shares).
+    pub decimals: usize,
+}
+
+impl Measure {
+    /// A value or mean as tables and sentences print it: `85.5 %`, `238.2`.
+    pub fn write(&self, value: f64) -> String {
+        if self.unit == Unit::Share { percent(value, self.decimals) } else { number(value, self.decimals) }
+    }
+
+    /// A difference between values: of shares in percentage points, without sign of its own when positive.
+    pub fn write_difference(&self, difference: f64) -> String {
+        if self.unit == Unit::Share {
+            format!("{} points", number(100.0 * difference, self.decimals))
+        } else {
+            number(difference, self.decimals)
+        }
+    }
+
+    /// The name with a capital, for the beginning of a line.
+    pub fn title(&self) -> String {
+        let mut letters = self.name.chars();
+        letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    }
+}
+
+/// The words of the measure `ending`, which exclude one another.
+pub const ENDINGS: [&str; 6] = ["goal", "elsewhere", "crash", "out-of-bounds", "time-limit", "abandoned"];
+
+/// The measures of one episode, in the order of the columns.
+pub const OF_AN_EPISODE: [Measure; 14] = [
+    Measure {
+        key: "ending",
+        name: "ending",
+        meaning: "How the episode ended; exactly one event. goal: at the pilot's own goal. elsewhere: well-behaved, \
+                  but not there. crash: crashed or otherwise broken. out-of-bounds: left the space it may be in. time-limit: \
+                  none of these in time (a truncation). abandoned: stopped from outside (a truncation).",
+        unit: Unit::Word,
+        range: Range::OneOf(&ENDINGS),
+        missing_when: "",
+        decimals: 0,
+    },
+    Measure {
+        key: "steps",
+        name: "steps",
+        meaning: "Ticks from the start to the ending.",
+        unit: Unit::Count("ticks"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "reward",
+        name: "reward",
+        meaning: "Sum of the plant's rewards for the pilot's own goal, undiscounted.",
+        unit: Unit::Number,
+        range: Range::Any,
+        missing_when: "",
+        decimals: 2,
+    },
+    Measure {
+        key: "ticks_with_command",
+        name: "ticks with a command",
+        meaning: "Ticks at which the pilot asked for something: a held key asks at every tick, a release asks once. The \
+                  reading of the paper's \"inputs\" that fits its numbers.",
+        unit: Unit::Count("ticks"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "key_presses",
+        name: "key presses",
+        meaning: "Times a key went down; holding it does not count again.",
+        unit: Unit::Count("presses"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "commands_per_second",
+        name: "commands per second",
+        meaning: "Ticks with a command divided by the simulated seconds of the episode: input that does not grow merely \
+                  because the flight lasts longer.",
+        unit: Unit::PerSecond("ticks per second"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "interventions",
+        name: "interventions",
+        meaning: "Share of the ticks with a command after which the plant was set differently than the asked command would \
+                  have set it: interventions by effect.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "the pilot asked for nothing",
+        decimals: 1,
+    },
+    Measure {
+        key: "nominal_interventions",
+        name: "nominal interventions",
+        meaning: "Share of the ticks with a command at which a command of another label was carried out, though perhaps \
+                  with the same effect.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "the pilot asked for nothing",
+        decimals: 1,
+    },
+    Measure {
+        key: "opposed",
+        name: "opposed commands",
+        meaning: "Share of the ticks with a command at which the opposite was carried out (similarity −1).",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "the pilot asked for nothing",
+        decimals: 1,
+    },
+    Measure {
+        key: "goal_accuracy",
+        name: "goal accuracy",
+        meaning: "Share of the ticks at which the goal inferred as the most likely was the pilot's own.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "goal_right_midway",
+        name: "goal right midway",
+        meaning: "Whether the inferred goal was the pilot's own at the middle tick.",
+        unit: Unit::Truth,
+        range: Range::OneOf(&["true", "false"]),
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "goal_right_at_end",
+        name: "goal right at the end",
+        meaning: "Whether the inferred goal was the pilot's own at the last tick.",
+        unit: Unit::Truth,
+        range: Range::OneOf(&["true", "false"]),
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "mean_confidence",
+        name: "mean confidence",
+        meaning: "Mean over the ticks of the confidence c that arbitration was given.",
+        unit: Unit::Number,
+        range: Range::Unit,
+        missing_when: "",
+        decimals: 2,
+    },
+    Measure {
+        key: "switches",
+        name: "switches",
+        meaning: "Ticks that left the plant set differently than it was before: how restlessly it was steered, by whomever.",
+        unit: Unit::Count("ticks"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+];
+
+/// The measures of a participant in a condition that are no plain mean of an episode's measure.
+pub const OF_A_PARTICIPANT: [Measure; 6] = [
+    Measure {
+        key: "success",
+        name: "success rate",
+        meaning: "Share of the episodes that ended at the pilot's own goal.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "crash",
+        name: "crash rate",
+        meaning: "Share of the episodes that ended in a crash.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "elsewhere",
+        name: "rate of ending elsewhere",
+        meaning: "Share of the episodes that ended well-behaved, but not at the pilot's own goal.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "out_of_bounds",
+        name: "rate of leaving the space",
+        meaning: "Share of the episodes that left the space.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "time_limit",
+        name: "rate of running out of time",
+        meaning: "Share of the episodes that reached the time limit.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "steps_of_successes",
+        name: "steps of successful episodes",
+        meaning: "Mean number of steps over the episodes that ended at the pilot's own goal: a mode that crashes early does \
+                  not look fast.",
+        unit: Unit::Count("ticks"),
+        range: Range::NotNegative,
+        missing_when: "no episode ended at the goal",
+        decimals: 1,
+    },
+];
+
+/// The definition under a key, of an episode or of a participant.
+pub fn measure(key: &str) -> Option<&'static Measure> {
+    OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT).find(|measure| measure.key == key)
+}
+
+/// A data dictionary: what every column means, in what unit, of which type and range, and when it is empty.
+pub fn dictionary(measures: &[Measure]) -> Csv {
+    let mut csv = Csv::new(["column", "meaning", "unit", "range", "empty_when"]);
+    for measure in measures {
+        csv.push([
+            Cell::from(measure.key),
+            Cell::from(measure.meaning),
+            Cell::from(measure.unit.word()),
+            Cell::from(measure.range.words()),
+            Cell::from(measure.missing_when),
+        ]);
+    }
+    csv
+}
+
+/// The definition as a report prints it.
+pub fn definition(measure: &Measure) -> Text {
+    let missing = match measure.missing_when {
+        "" => String::new(),
+        when => format!(" No value when {when}."),
+    };
+    Text::from(format!("{}{missing} Unit: {}. Column ", measure.meaning, measure.unit.word()))
+        .code(measure.key)
+        .plain(".")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_unique_and_are_column_names() {
+        let keys: Vec<&str> = OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT).map(|m| m.key).collect();
+        for (i, key) in keys.iter().enumerate() {
+            assert!(!keys[..i].contains(key), "{key} twice");
+            assert!(key.bytes().all(|b| b.is_ascii_lowercase() || b == b'_'), "{key}");
+        }
+    }
+
+    #[test]
+    fn definitions_are_sentences_and_ranges_fit_units() {
+        for m in OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT) {
+            assert!(m.meaning.ends_with('.') && m.meaning.starts_with(char::is_uppercase), "{}", m.key);
+            assert_eq!(
+                m.unit == Unit::Share,
+                m.range == Range::Unit && m.key != "mean_confidence",
+                "{}",
+                m.key
+            );
+            assert!(!definition(m).to_string().contains("  "), "{}", m.key);
+        }
+    }
+
+    #[test]
+    fn the_dictionary_has_a_row_a_measure() {
+        let csv = dictionary(&OF_AN_EPISODE);
+        assert_eq!(csv.rows().len(), OF_AN_EPISODE.len());
+        assert!(csv.to_string().contains("goal | elsewhere | crash"));
+    }
+
+    #[test]
+    fn values_are_written_in_their_unit() {
+        let success = measure("success").unwrap();
+        assert_eq!(success.write(0.855), "85.5\u{202f}%");
+        assert_eq!(success.write_difference(-0.015), "−1.5 points");
+        assert_eq!(measure("steps").unwrap().write(238.25), "238.2");
+        assert_eq!(measure("interventions").unwrap().title(), "Interventions");
+        assert!(measure("unheard of").is_none());
+    }
+}
