@@ -95,7 +95,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let given: Vec<String> = std::env::args().skip(1).collect();
     let number = |i: usize, usual| given.get(i).map_or(Ok(usual), |text| text.parse::<u64>());
     let (seed, episodes) = (number(1, 2024)?, number(2, 40)?);
-    println!("| who                | crash | out   | goal  | elsew | ticks | inputs | presses  |");
+    println!("| who                | crash | out   | goal  | elsew | ticks | asked  | presses  |");
     println!("|---|---|---|---|---|---|---|---|");
     let population = given.first().map_or("ordinary", String::as_str);
     if population == "all" {
