@@ -5,7 +5,9 @@ use cohelm::plant::{Ending, Plant};
 use cohelm::random::Draws;
 use cohelm::registry::{Plants, Task};
 use cohelm::scene::Role;
+use cohelm_lander::flags::FLAG_LANDER_VERSION;
 use cohelm_lander::gymnasium::{self, GymnasiumLander, GymnasiumOptions};
+use cohelm_lander::gymnasium_plant::GYMNASIUM_LANDER_VERSION;
 
 fn make(task: Task) -> Box<dyn Plant> {
     let mut plants = Plants::default();
@@ -151,6 +153,56 @@ fn a_snapshot_goes_on_with_the_same_bits() {
             assert_eq!(plant.view().state, copy.view().state);
         }
     }
+}
+
+/// FNV-1a over the bits of all states and rewards of twenty short flights, half of them from near the goal.
+fn digest(task: Task) -> u64 {
+    let mut plant = make(task);
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut take = |bits: u64| hash = (hash ^ bits).wrapping_mul(0x0100_0000_01b3);
+    for seed in 0..20 {
+        if seed % 2 == 0 {
+            plant.reset(seed)
+        } else {
+            assert!(plant.reset_near_goal(seed, 0.4))
+        }
+        let mut draws = Draws::new(seed);
+        for _ in 0..60 {
+            let command = draws.below(plant.space().commands().max(1)) as u8;
+            let axes = [draws.uniform(-1.0, 1.0) as f32, draws.uniform(-1.0, 1.0) as f32];
+            let drawn =
+                if plant.space().commands() == 0 { Action::axes(&axes) } else { Action::Command(command) };
+            let taught = draws.chance(0.5).then(|| plant.teacher(plant.pilot_goal())).flatten();
+            let step = plant.step(Some(taught.unwrap_or(drawn)));
+            plant.view().state.iter().for_each(|value| take(value.to_bits().into()));
+            take(step.reward.to_bits());
+        }
+    }
+    hash
+}
+
+// A change here means that records of earlier flights no longer replay: raise the plant's version with it. The digests
+// were taken on x86-64; they must be the same everywhere.
+#[test]
+fn the_bits_of_a_version_stay() {
+    let flag = |actions: &str| digest(Task::new("flag-lander").with("actions", actions));
+    assert_eq!((FLAG_LANDER_VERSION, GYMNASIUM_LANDER_VERSION), (1, 1));
+    assert_eq!(
+        [
+            flag("switches"),
+            flag("main-side"),
+            flag("gymnasium"),
+            flag("continuous"),
+            digest(gymnasium_lander())
+        ],
+        [
+            6145367465407548608,
+            4912536522879401432,
+            8672300612637085946,
+            8474155034330219349,
+            1042273986620653037
+        ],
+    );
 }
 
 #[test]

@@ -5,6 +5,7 @@
 use super::state::{ORIGIN, SCALE_OF_POSITION};
 use super::surface::Surface;
 use crate::craft::{Craft, Engines, HULL_OUTLINE, LEG_OUTLINE, Motion, WORLD_WIDTH};
+use crate::physics::body::{LEG_AWAY, LEG_DOWN};
 use cohelm::scene::{Part, Pose, Role, Scene, Shape};
 
 /// Top of what is shown, world units: the start and the first leap of a strong push fit in, and the picture is 4:3.
@@ -42,7 +43,7 @@ pub(crate) fn pad(goal: u32, [x, y]: [f64; 2], half_width: f64) -> Part {
     let (left, right) = (x - half_width, x + half_width);
     let below = y - PAD_THICKNESS;
     let mut shapes = vec![polygon(&[[left, y], [left, below], [right, below], [right, y]])];
-    shapes.extend([left, right].into_iter().flat_map(|x| flag(x, y)));
+    shapes.extend(flag([left, y], 1.0).into_iter().chain(flag([right, y], -1.0)));
     Part { role: Role::Goal, goal: Some(goal), shapes }
 }
 
@@ -62,10 +63,9 @@ fn craft_parts() -> Vec<Part> {
     let part = |role, shape| Part { role, goal: None, shapes: vec![shape] };
     let right_flame = LEFT_FLAME.map(|[x, y]| [-x, y]);
     let flames = [polygon(&MAIN_FLAME), polygon(&LEFT_FLAME), polygon(&right_flame)];
-    let limbs = [polygon(&LEG_OUTLINE), polygon(&LEG_OUTLINE)];
     let (center, radius) = WINDOW;
     let mut parts: Vec<Part> = flames.into_iter().map(|flame| part(Role::Thrust, flame)).collect();
-    parts.extend(limbs.into_iter().map(|limb| part(Role::Limb, limb)));
+    parts.extend([leg(1.0), leg(-1.0)]);
     parts.push(part(Role::Body, polygon(&HULL_OUTLINE)));
     parts.push(part(Role::Decor, Shape::Disc { center, radius }));
     parts
@@ -78,11 +78,22 @@ fn ground(surface: &Surface) -> Part {
     Part { role: Role::Ground, goal: None, shapes: vec![polygon(&outline)] }
 }
 
-fn flag(x: f64, y: f64) -> [Shape; 2] {
+/// A pole with a cloth that flies to the given side: inwards, so that the cloths of neighbouring pads never meet.
+fn flag([x, y]: [f64; 2], side: f64) -> [Shape; 2] {
     let top = y + POLE;
     let [length, width] = CLOTH;
-    let cloth = polygon(&[[x, top], [x, top - width], [x + length, top - width / 2.0]]);
-    [Shape::Line { points: single(&[[x, y], [x, top]]) }, cloth]
+    let cloth = polygon(&[[x, top], [x, top - width], [x + side * length, top - width / 2.0]]);
+    [line(&[[x, y], [x, top]]), cloth]
+}
+
+/// A leg and the strut on which it hangs; the hull is drawn over the strut's end.
+fn leg(side: f64) -> Part {
+    let strut = line(&[[0.0, LEG_OUTLINE[2][1]], [-side * LEG_AWAY, LEG_DOWN]]);
+    Part { role: Role::Limb, goal: None, shapes: vec![strut, polygon(&LEG_OUTLINE)] }
+}
+
+fn line(points: &[[f64; 2]]) -> Shape {
+    Shape::Line { points: single(points) }
 }
 
 fn polygon(points: &[[f64; 2]]) -> Shape {
