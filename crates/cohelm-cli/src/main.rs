@@ -1,1 +1,56 @@
-fn main() {}
+//! `cohelm`: the only crate that prints. Each command is a module; this file is the list of them.
+#![forbid(unsafe_code)]
+
+mod commands;
+mod output;
+mod rig;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Shared control of a person and a co-pilot: fly it, train it, reproduce the paper, replay every tick.
+#[derive(Parser)]
+#[command(version, max_term_width = 110, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Serve the page in which a person flies with the co-pilot.
+    Fly(commands::fly::Fly),
+    /// Train a co-pilot from nothing: values, then intent.
+    Train(commands::train::Train),
+    /// Fly fresh episodes with the goal known and count how they end.
+    Evaluate(commands::evaluate::Evaluate),
+    /// Reproduce the paper's experiment with simulated pilots.
+    Reproduce(commands::reproduce::Reproduce),
+    /// List the stored episodes.
+    Episodes(commands::episodes::Episodes),
+    /// Hold something against what was recorded elsewhere.
+    #[command(subcommand)]
+    Verify(commands::verify::Verify),
+    /// Measure speed on this machine.
+    #[command(subcommand)]
+    Bench(commands::bench::Bench),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Fly(fly) => fly.run(),
+        Command::Train(train) => train.run(),
+        Command::Evaluate(evaluate) => evaluate.run(),
+        Command::Reproduce(reproduce) => reproduce.run(),
+        Command::Episodes(episodes) => episodes.run(),
+        Command::Verify(verify) => verify.run(),
+        Command::Bench(bench) => bench.run(),
+    };
+    match outcome {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("cohelm: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,4 +1,4 @@
-//! What is measured of one episode, from its ticks alone.
+//! What is measured of one episode, from its ticks alone. [`cohelm_study::measures`] defines the words.
 
 use cohelm::action::Action;
 use cohelm::cockpit::Tick;
@@ -22,12 +22,12 @@ pub struct EpisodeMeasures {
     pub key_presses: u32,
     /// Ticks with a command a second of real time at time scale 1.
     pub commands_per_second: f64,
-    /// Share of ticks with a command after which the plant was set differently than asked; 0 if nothing was asked.
-    pub interventions: f64,
-    /// Share of ticks with a command at which another label was carried out.
-    pub nominal_interventions: f64,
-    /// Share of ticks with a command at which the opposite was carried out.
-    pub opposed: f64,
+    /// Share of ticks with a command after which the plant was set differently than asked; `None` if nothing was.
+    pub interventions: Option<f64>,
+    /// Share of ticks with a command at which another label was carried out; `None` if nothing was asked.
+    pub nominal_interventions: Option<f64>,
+    /// Share of ticks with a command at which the opposite was carried out; `None` if nothing was asked.
+    pub opposed: Option<f64>,
     /// Share of ticks at which the inferred goal was the pilot's own.
     pub goal_accuracy: f64,
     /// Whether the inferred goal was the pilot's own at the middle tick.
@@ -38,6 +38,37 @@ pub struct EpisodeMeasures {
     pub mean_confidence: f64,
     /// Ticks after which the plant was set differently than before: how restless it was made.
     pub switches: u32,
+}
+
+impl EpisodeMeasures {
+    /// The number under a key of [`cohelm_study::measures`]; truths are 0 or 1, and the rates of a participant are 0 or 1
+    /// for one episode. `None` if the episode has no value, or no measure has that key.
+    pub fn value(&self, key: &str) -> Option<f64> {
+        let ended = |ending| Some(f64::from(u8::from(self.ending == ending)));
+        let truth = |truth: bool| Some(f64::from(u8::from(truth)));
+        match key {
+            "success" => ended(Ending::Goal),
+            "crash" => ended(Ending::Crash),
+            "elsewhere" => ended(Ending::Elsewhere),
+            "out_of_bounds" => ended(Ending::OutOfBounds),
+            "time_limit" => ended(Ending::TimeLimit),
+            "steps" => Some(f64::from(self.steps)),
+            "steps_of_successes" => (self.ending == Ending::Goal).then_some(f64::from(self.steps)),
+            "reward" => Some(self.reward),
+            "ticks_with_command" => Some(f64::from(self.ticks_with_command)),
+            "key_presses" => Some(f64::from(self.key_presses)),
+            "commands_per_second" => Some(self.commands_per_second),
+            "interventions" => self.interventions,
+            "nominal_interventions" => self.nominal_interventions,
+            "opposed" => self.opposed,
+            "goal_accuracy" => Some(self.goal_accuracy),
+            "goal_right_midway" => truth(self.goal_right_midway),
+            "goal_right_at_end" => truth(self.goal_right_at_end),
+            "mean_confidence" => Some(self.mean_confidence),
+            "switches" => Some(f64::from(self.switches)),
+            _ => None,
+        }
+    }
 }
 
 /// Collects an episode's measures tick by tick.
@@ -95,6 +126,25 @@ impl Tally {
             goal_right_at_end: self.goals_right.last().copied().unwrap_or(false),
             mean_confidence: of_steps(self.confidence),
             switches: self.switches,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cohelm_study::measures::{OF_A_PARTICIPANT, OF_AN_EPISODE};
+
+    #[test]
+    fn every_defined_measure_has_a_value() {
+        let nothing_asked = Tally::default().finish(0, 50.0);
+        assert_eq!(nothing_asked.interventions, None);
+        let asked =
+            Tally { asked: 4, effective: 1, ending: Some(Ending::Goal), ..Tally::default() }.finish(2, 50.0);
+        assert_eq!(asked.interventions, Some(0.25));
+        for measure in OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT).filter(|measure| measure.key != "ending")
+        {
+            assert!(asked.value(measure.key).is_some(), "{} has no value", measure.key);
         }
     }
 }

@@ -7,3 +7,4 @@
 pub mod episode;
 pub mod experiment;
 pub mod parallel;
+pub mod results;

@@ -1,0 +1,9 @@
+//! The commands, one a module.
+
+pub mod bench;
+pub mod episodes;
+pub mod evaluate;
+pub mod fly;
+pub mod reproduce;
+pub mod train;
+pub mod verify;

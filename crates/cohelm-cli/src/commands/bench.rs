@@ -1,0 +1,162 @@
+//! `cohelm bench`: speed on this machine, with what it is compared with beside it.
+
+use crate::output::{Format, table};
+use anyhow::{Context, Result, bail};
+use clap::{Args, Subcommand};
+use cohelm::random::Draws;
+use cohelm_lander::gymnasium::{Action, GymnasiumLander, GymnasiumOptions};
+use cohelm_nn::bench::{Timings, measure};
+use serde_json::json;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::{Command, ExitCode, Stdio};
+use std::time::Instant;
+
+/// What to measure.
+#[derive(Subcommand)]
+pub enum Bench {
+    /// Steps a second of the lander on one core: random actions, resets included; Gymnasium's beside it.
+    Lander(Lander),
+    /// A training step of each network beside the machine's floor, and a decision of the control loop.
+    Nets(Nets),
+}
+
+/// Options of `bench lander`.
+#[derive(Args)]
+pub struct Lander {
+    /// A Python that has `gymnasium[box2d]==1.4.0`; without it only ours is measured.
+    #[arg(long, value_name = "PYTHON")]
+    gymnasium: Option<PathBuf>,
+    /// Interleaved runs of each, of which the median is taken.
+    #[arg(long, default_value_t = 5)]
+    runs: usize,
+    /// Steps a run.
+    #[arg(long, default_value_t = 100_000)]
+    steps: usize,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// Options of `bench nets`.
+#[derive(Args)]
+pub struct Nets {
+    /// Runs of each, of which the median is taken.
+    #[arg(long, default_value_t = 30)]
+    runs: usize,
+    #[command(flatten)]
+    format: Format,
+}
+
+impl Bench {
+    /// Runs the command.
+    pub fn run(self) -> Result<ExitCode> {
+        match self {
+            Self::Lander(lander) => lander.run(),
+            Self::Nets(nets) => nets.run(),
+        }
+    }
+}
+
+impl Lander {
+    fn run(self) -> Result<ExitCode> {
+        if self.runs == 0 || self.steps == 0 {
+            bail!("at least one run of one step is needed");
+        }
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        for _ in 0..self.runs {
+            ours.push(our_rate(self.steps));
+            if let Some(python) = &self.gymnasium {
+                theirs.push(gymnasium_rate(python, self.steps)?);
+            }
+        }
+        let (ours_median, theirs_median) = (median(&mut ours), (!theirs.is_empty()).then(|| median(&mut theirs)));
+        let ratio = theirs_median.map(|theirs| ours_median / theirs);
+        let report = json!({
+            "steps": self.steps, "runs": self.runs, "cohelm_steps_per_s": ours_median,
+            "gymnasium_steps_per_s": theirs_median, "ratio": ratio,
+        });
+        self.format.print(&report, |_| {
+            let row = |name: &str, rate: f64, times: String| vec![name.into(), format!("{rate:.0}"), times];
+            let mut rows = vec![row("cohelm", ours_median, ratio.map_or("–".into(), |ratio| format!("{ratio:.2}")))];
+            rows.extend(theirs_median.map(|rate| row("gymnasium 1.4.0", rate, "1".into())));
+            let heading = format!(
+                "LunarLander-v3, one core, random actions, resets included; median of {} interleaved runs of {} steps",
+                self.runs, self.steps
+            );
+            format!("{heading}\n\n{}", table(&["", "steps a second", "times"], &rows))
+        });
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// Steps a second of our lander with random actions, resets included.
+fn our_rate(steps: usize) -> f64 {
+    let mut draws = Draws::new(1);
+    let actions: Vec<Action> = (0..steps)
+        .map(|_| [Action::Nothing, Action::Left, Action::Main, Action::Right][draws.below(4)])
+        .collect();
+    let mut lander = GymnasiumLander::new(GymnasiumOptions::default()).expect("the usual options are allowed");
+    let mut seed = 0;
+    lander.reset(seed);
+    let begun = Instant::now();
+    for action in actions {
+        if lander.step(action).ending.is_some() {
+            seed += 1;
+            lander.reset(seed);
+        }
+    }
+    steps as f64 / begun.elapsed().as_secs_f64()
+}
+
+/// Steps a second of Gymnasium, measured by the script that is part of this program.
+fn gymnasium_rate(python: &PathBuf, steps: usize) -> Result<f64> {
+    let script = include_str!("../../../cohelm-lander/bench/gymnasium_rate.py");
+    let mut child = Command::new(python)
+        .args(["-", &steps.to_string()])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("cannot run {}", python.display()))?;
+    child.stdin.take().context("the script could not be handed over")?.write_all(script.as_bytes())?;
+    let output = child.wait_with_output()?;
+    if !output.status.success() {
+        bail!("{} failed; does it have gymnasium[box2d]==1.4.0?", python.display());
+    }
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).context("the script printed no JSON")?;
+    report["steps_per_s"].as_f64().context("the script printed no rate")
+}
+
+fn median(rates: &mut [f64]) -> f64 {
+    rates.sort_by(f64::total_cmp);
+    rates[rates.len() / 2]
+}
+
+impl Nets {
+    fn run(self) -> Result<ExitCode> {
+        let measured = measure(self.runs.max(1));
+        let timing = |timing: &cohelm_nn::bench::Timing| {
+            json!({
+                "name": timing.name, "median_us": timing.median_us, "best_us": timing.best_us,
+                "floor_us": timing.floor_us, "times_floor": timing.floor_us.map(|floor| timing.median_us / floor),
+            })
+        };
+        let timings: Vec<_> = measured.timings.iter().map(timing).collect();
+        let report = json!({ "kernel": measured.kernel, "gflops": measured.gflops, "timings": timings });
+        self.format.print(&report, |_| nets_text(&measured));
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn nets_text(measured: &Timings) -> String {
+    let rows: Vec<Vec<String>> = measured
+        .timings
+        .iter()
+        .map(|timing| {
+            let floor = timing.floor_us.map_or("–".into(), |floor| format!("{floor:.1}"));
+            let times = timing.floor_us.map_or("–".into(), |floor| format!("{:.2}", timing.median_us / floor));
+            vec![timing.name.into(), format!("{:.2}", timing.median_us), format!("{:.2}", timing.best_us), floor, times]
+        })
+        .collect();
+    let heading = format!("one core, kernel {}, floor at {:.0} GFLOP/s", measured.kernel, measured.gflops);
+    format!("{heading}\n\n{}", table(&["", "median µs", "best µs", "floor µs", "times floor"], &rows))
+}

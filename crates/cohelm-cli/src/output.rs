@@ -1,0 +1,63 @@
+//! What commands print: tables for people, or one JSON object with `--json`.
+
+use clap::Args;
+use serde::Serialize;
+use std::io::IsTerminal;
+
+/// Whether a command prints for people or for programs.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Format {
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Format {
+    /// Prints a result as JSON, or the text that `text` makes of it.
+    pub fn print<Data: Serialize>(self, data: &Data, text: impl FnOnce(&Data) -> String) {
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(data).expect("results have a JSON form"));
+        } else {
+            println!("{}", text(data).trim_end());
+        }
+    }
+
+    /// Whether progress bars are wanted: a person looks on.
+    pub fn shows_progress(self) -> bool {
+        !self.json && std::io::stderr().is_terminal()
+    }
+}
+
+/// Rows of cells as aligned columns; the first column to the left, the others to the right.
+pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+    let columns = head.len();
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
+        cells.chain([head[column].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |cells: Vec<&str>| {
+        let aligned = cells.iter().enumerate().map(|(column, cell)| {
+            let padding = " ".repeat(widths[column] - cell.chars().count());
+            if column == 0 { format!("{cell}{padding}") } else { format!("{padding}{cell}") }
+        });
+        aligned.collect::<Vec<_>>().join("  ").trim_end().to_string()
+    };
+    let rule = widths.iter().map(|&width| "─".repeat(width)).collect::<Vec<_>>().join("──");
+    let body = rows.iter().map(|row| line(row.iter().map(String::as_str).collect()));
+    [line(head.to_vec()), rule].into_iter().chain(body).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::table;
+
+    #[test]
+    fn columns_are_as_wide_as_their_widest_cell() {
+        let rows = [vec!["α".to_string(), "1.25".into()], vec!["long name".into(), "3".into()]];
+        assert_eq!(
+            table(&["rule", "n"], &rows),
+            "rule          n\n───────────────\nα          1.25\nlong name     3"
+        );
+    }
+}
