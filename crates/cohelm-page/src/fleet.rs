@@ -10,7 +10,7 @@ use cohelm_copilot::{Models, cockpit};
 /// The plants that the page can fly.
 pub fn plants() -> Plants {
     let mut plants = Plants::default();
-    plants.register(cohelm_lander::flags::entry());
+    cohelm_lander::register(&mut plants);
     plants.register(cohelm::point::entry());
     plants
 }

@@ -148,7 +148,9 @@ fn what_is_wrong_is_refused_with_a_reason() {
     };
     assert!(refused(|s| s.plant_version = 9).contains("this program has version 1"));
     assert!(refused(|s| s.seed = u64::MAX).contains("seed"));
-    assert!(refused(|s| s.task = Task::new("kite")).contains("there are: flag-lander, point"));
+    assert!(
+        refused(|s| s.task = Task::new("kite")).contains("there are: flag-lander, gymnasium-lander, point")
+    );
     assert!(refused(|s| s.task = Task::new("point").with("wind", 3)).contains("no options"));
     assert!(refused(|s| s.rule = Rule::Tolerance { alpha: 2.0 }).contains("[0, 1]"));
     assert!(refused(|s| s.inference = Inference::Softmax).contains("intent model"));

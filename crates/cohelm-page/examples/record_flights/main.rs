@@ -1,7 +1,9 @@
 //! `cargo run -p cohelm-page --example record_flights -- FOLDER` flies some flights natively, by random keys, and writes
 //! for each what was done (NAME.json) and the record that came of it (NAME.chlm). `tools/page-parity` does the same
-//! with the built page and demands the same bytes.
+//! with the built page and demands the same bytes. Flights of a plant's teacher, which land and come to rest, are
+//! written as records only, for the page to replay.
 
+mod demonstrations;
 mod random_models;
 
 use cohelm::arbitration::{DEFAULT_KAPPA, Rule};
@@ -14,6 +16,7 @@ use cohelm::trajectory::Setup;
 use cohelm_copilot::Model;
 use cohelm_page::fleet::plants;
 use cohelm_page::page::Page;
+use demonstrations::demonstration;
 use random_models::random_models;
 use serde::Serialize;
 use std::error::Error;
@@ -58,6 +61,11 @@ fn main() -> Outcome<()> {
     fs::create_dir_all(&folder)?;
     for (name, task) in tasks() {
         record(&folder, name, &task)?;
+        for seed in 0..FLIGHTS_EACH {
+            if let Some(record) = demonstration(&plants(), &task, seed)? {
+                fs::write(folder.join(format!("{name}.teacher.{seed}.chlm")), record)?;
+            }
+        }
     }
     Ok(())
 }
@@ -70,6 +78,8 @@ fn tasks() -> Vec<(&'static str, Task)> {
         ("lander-main-side", lander("main-side")),
         ("lander-gymnasium", lander("gymnasium")),
         ("lander-continuous", lander("continuous")),
+        ("gymnasium", Task::new("gymnasium-lander")),
+        ("gymnasium-wind", Task::new("gymnasium-lander").with("continuous", true).with("enable_wind", true)),
     ]
 }
 

@@ -46,6 +46,7 @@ pub fn random_models(
         goals,
         encoder_version,
         sees_asked: false,
+        free_outputs: false,
         seed: 17,
         options: serde_json::json!({}),
         trained_with: TrainedWith { cohelm: env!("CARGO_PKG_VERSION").into(), kernel: "none".into() },
