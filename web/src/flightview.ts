@@ -11,8 +11,8 @@ export interface FlightEvents {
   tick(tick: Tick): void;
   /** It was paused (hidden tab, lost focus) or goes on. */
   paused(paused: boolean): void;
-  /** It ended; `record` is the trajectory. */
-  ended(summary: FlightSummary, record: Uint8Array): void;
+  /** It ended. */
+  ended(summary: FlightSummary): void;
 }
 
 /** What is said after a flight. */
@@ -166,6 +166,7 @@ export class FlightRun {
     const { ticks, commands, corrected, droppedFrames } = this.counts;
     const seconds = ticks / this.opening.ticks_per_second;
     const summary = { ending, ticks, seconds, commands, corrected, lateTicks: this.clock.late, droppedFrames };
-    this.events.ended(summary, this.core.finish());
+    this.core.finish();
+    this.events.ended(summary);
   }
 }

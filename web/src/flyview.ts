@@ -73,14 +73,13 @@ export class FlyView implements View {
     this.run = null;
     try {
       const setup = await this.setup();
-      this.link.prepare(setup);
       this.run = new FlightRun(this.core, setup, this.stage, {
         tick: (tick) => {
           this.overlay.show(tick);
           this.showHud();
         },
         paused: (paused) => (paused ? this.showPaused() : this.card.toggleAttribute('hidden', true)),
-        ended: (summary, record) => this.ended(summary, record),
+        ended: (summary) => this.ended(summary),
       }, this.link);
       this.overlay.begin(setup.rule, this.run.opening.pilot_goal);
       this.buildHud();
@@ -117,8 +116,8 @@ export class FlyView implements View {
     this.loaded.add(hash);
   }
 
-  private ended(summary: FlightSummary, record: Uint8Array): void {
-    this.link.end(summary, record);
+  private ended(summary: FlightSummary): void {
+    this.link.end(summary.ending);
     const share = summary.commands === 0 ? '–' : `${Math.round((100 * summary.corrected) / summary.commands)} %`;
     const number = (value: string, label: string) => element('span', {}, element('b', {}, value), label);
     const numbers = element('div', { class: 'numbers' },
