@@ -273,9 +273,10 @@ impl ReferenceFace {
 fn cut_at_line(segment: [ClipPoint; 2], normal: Vec2, offset: f32, corner: u8) -> Option<[ClipPoint; 2]> {
     let [first, second] = segment;
     let distances = segment.map(|point| normal.dot(point.at) - offset);
+    // Taken apart out here because rustc 1.85 crashes on the pattern inside a closure.
+    let (Feature::Corner(index) | Feature::Side(index)) = first.of;
     let crossing = || {
         let share = distances[0] / (distances[0] - distances[1]);
-        let (Feature::Corner(index) | Feature::Side(index)) = first.of;
         ClipPoint {
             at: first.at + share * (second.at - first.at),
             cut: Feature::Corner(corner),
