@@ -1,5 +1,7 @@
 //! Adam (Kingma & Ba 2015, Algorithm 1) on flat parameters, as PyTorch's `optim.Adam` computes it.
 
+use crate::gemm::vectorised;
+
 /// Constants of Adam.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdamOptions {
@@ -94,13 +96,16 @@ impl Adam {
         let AdamOptions { beta1, beta2, epsilon, .. } = self.options;
         let step_size = (f64::from(learning_rate) / self.correction(beta1)) as f32;
         let root = self.correction(beta2).sqrt() as f32;
-        let moments = self.mean.iter_mut().zip(&mut self.mean_square);
-        for ((p, g), (m, v)) in params.iter_mut().zip(gradient).zip(moments) {
-            let g = g * scale;
-            *m += (g - *m) * (1.0 - beta1);
-            *v = *v * beta2 + g * g * (1.0 - beta2);
-            *p -= step_size * *m / (v.sqrt() / root + epsilon);
-        }
+        let (mean, mean_square) = (&mut self.mean[..], &mut self.mean_square[..]);
+        vectorised(|| {
+            let moments = mean.iter_mut().zip(mean_square);
+            for ((p, g), (m, v)) in params.iter_mut().zip(gradient).zip(moments) {
+                let g = g * scale;
+                *m += (g - *m) * (1.0 - beta1);
+                *v = *v * beta2 + g * g * (1.0 - beta2);
+                *p -= step_size * *m / (v.sqrt() / root + epsilon);
+            }
+        });
     }
 
     /// 1 − βᵗ, the part of a mean over t steps that is filled.
@@ -130,9 +135,11 @@ pub fn norm(gradient: &[f32]) -> f32 {
 /// If the lengths differ.
 pub fn add_in_order(sum: &mut [f32], gradient: &[f32]) {
     assert_eq!(sum.len(), gradient.len());
-    for (s, g) in sum.iter_mut().zip(gradient) {
-        *s += g;
-    }
+    vectorised(|| {
+        for (s, g) in sum.iter_mut().zip(gradient) {
+            *s += g;
+        }
+    });
 }
 
 /// Moves a target network's parameters towards the online ones: target += rate·(online − target).
@@ -148,7 +155,9 @@ pub fn follow(target: &mut [f32], online: &[f32], rate: f32) {
         target.copy_from_slice(online);
         return;
     }
-    for (t, o) in target.iter_mut().zip(online) {
-        *t += rate * (o - *t);
-    }
+    vectorised(|| {
+        for (t, o) in target.iter_mut().zip(online) {
+            *t += rate * (o - *t);
+        }
+    });
 }

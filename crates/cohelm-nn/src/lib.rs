@@ -67,6 +67,8 @@ pub mod weights;
 #[cfg(feature = "train")]
 pub mod adam;
 #[cfg(feature = "train")]
+pub mod bench;
+#[cfg(feature = "train")]
 mod dense_batch;
 #[cfg(feature = "train")]
 mod gemm;

@@ -212,6 +212,7 @@ impl MlpScratch {
 }
 
 /// Negative numbers become 0 (and −0 becomes 0).
+#[inline(always)]
 fn relu(y: &mut [f32]) {
     for y in y {
         *y = if *y > 0.0 { *y } else { 0.0 };

@@ -3,10 +3,12 @@
 //! Sequences are packed: sorted by length, longest first, and stored tick after tick, each tick holding only
 //! the sequences that still last. No padding is computed and no mask is needed.
 
+use pulp::{Simd, WithSimd};
+
 use super::{Lstm, LstmShape};
 use crate::dense::Layer;
 use crate::dense_batch;
-use crate::gemm::{Matrix, multiply};
+use crate::gemm::{transpose, vectorised};
 use crate::math::{sigmoid, tanh};
 
 /// Workspace for a batch of sequences. After it is made nothing allocates.
@@ -36,6 +38,9 @@ pub struct LstmBatch {
     d_cells: Vec<f32>,
     /// `[packed][hidden]`: gradient that the head sends into each tick's hidden state.
     d_from_head: Vec<f32>,
+    /// Transposes of the gates' weights from h, `[4 hidden][hidden]`, and of the head's, `[output][hidden]`.
+    transposed_gates: Vec<f32>,
+    transposed_head: Vec<f32>,
 }
 
 /// Where each tick of each sequence lies.
@@ -127,6 +132,8 @@ impl LstmBatch {
             d_from_head: zeros(hidden),
             d_hidden: vec![0.0; most_sequences * hidden],
             d_cells: vec![0.0; most_sequences * hidden],
+            transposed_gates: vec![0.0; 4 * hidden * hidden],
+            transposed_head: vec![0.0; hidden * output],
         }
     }
 
@@ -182,71 +189,47 @@ impl LstmBatch {
     /// If the network has another shape.
     pub fn forward(&mut self, net: &Lstm) {
         assert_eq!(net.shape, self.shape, "a workspace serves one shape");
-        self.project_inputs(net);
         for t in 0..self.packing.ticks() {
+            self.take_hidden(t);
             self.forward_tick(net, t);
         }
         let head = self.shape.head();
         let rows = self.packing.rows();
         let outputs = &mut self.outputs[..rows * head.outputs];
-        dense_batch::forward(&head, &net.params, Matrix::new(&self.hidden, rows, head.inputs), outputs);
+        dense_batch::forward(&head, &net.params, &self.hidden[..rows * head.inputs], outputs);
         self.d_outputs[..rows * head.outputs].fill(0.0);
     }
 
-    /// Biases and the inputs' part of all gates of all ticks at once.
-    fn project_inputs(&mut self, net: &Lstm) {
-        let gates = self.shape.gates();
-        let rows = self.packing.rows();
-        let x = Matrix::new(&self.inputs, rows, gates.inputs).columns(0, self.shape.input);
-        let of_x = Layer { inputs: self.shape.input, ..gates };
-        let y = &mut self.gates[..rows * gates.outputs];
-        for row in y.chunks_exact_mut(gates.outputs) {
-            row.copy_from_slice(gates.bias(&net.params));
+    /// Puts the hidden states of the tick before, zeros at the first, behind this tick's inputs.
+    fn take_hidden(&mut self, t: usize) {
+        let n = self.shape.hidden;
+        let inputs = self.inputs.chunks_exact_mut(self.shape.input + n);
+        let rows = self.packing.tick(t);
+        let inputs = inputs.skip(rows.start).take(rows.len()).map(|row| &mut row[self.shape.input..]);
+        if t == 0 {
+            inputs.for_each(|h| h.fill(0.0));
+        } else {
+            let before = &self.hidden[self.packing.first[t - 1] * n..];
+            inputs.zip(before.chunks_exact(n)).for_each(|(h, before)| h.copy_from_slice(before));
         }
-        multiply(x, Matrix::new(of_x.weights(&net.params), of_x.inputs, of_x.outputs), true, y);
     }
 
     fn forward_tick(&mut self, net: &Lstm, t: usize) {
         let n = self.shape.hidden;
         let layer = self.shape.gates();
         let rows = self.packing.tick(t);
-        if t > 0 {
-            self.carry_hidden(t);
-            let of_h = &layer.weights(&net.params)[self.shape.input * layer.outputs..];
-            let h = Matrix::new(&self.hidden[self.packing.first[t - 1] * n..], rows.len(), n);
-            let gates = &mut self.gates[rows.start * 4 * n..rows.end * 4 * n];
-            multiply(h, Matrix::new(of_h, n, 4 * n), true, gates);
-        } else {
-            self.clear_first_hidden();
-        }
-        for (rank, row) in rows.enumerate() {
-            let (before, now) = self.cells.split_at_mut(row * n);
-            let before = if t > 0 { &before[(self.packing.first[t - 1] + rank) * n..][..n] } else { &[] };
-            let tick = CellRow {
-                gates: &mut self.gates[row * 4 * n..][..4 * n],
-                cell: &mut now[..n],
-                tanh_cell: &mut self.tanh_cells[row * n..][..n],
-                hidden: &mut self.hidden[row * n..][..n],
-            };
-            tick.forward(before);
-        }
-    }
-
-    /// Copies the hidden states of the tick before into this tick's inputs, for the weights' gradient.
-    fn carry_hidden(&mut self, t: usize) {
-        let (n, width) = (self.shape.hidden, self.shape.input + self.shape.hidden);
-        let from = self.packing.first[t - 1];
-        for (rank, row) in self.packing.tick(t).enumerate() {
-            let h = &self.hidden[(from + rank) * n..][..n];
-            self.inputs[row * width + self.shape.input..][..n].copy_from_slice(h);
-        }
-    }
-
-    fn clear_first_hidden(&mut self) {
-        let (n, width) = (self.shape.hidden, self.shape.input + self.shape.hidden);
-        for row in self.packing.tick(0) {
-            self.inputs[row * width + self.shape.input..][..n].fill(0.0);
-        }
+        let of = |width: usize| rows.start * width..rows.end * width;
+        let gates = &mut self.gates[of(4 * n)];
+        dense_batch::forward(&layer, &net.params, &self.inputs[of(layer.inputs)], gates);
+        let (before, cells) = self.cells.split_at_mut(rows.start * n);
+        vectorised(ForwardCells {
+            hidden_width: n,
+            gates,
+            before: if t > 0 { &before[self.packing.first[t - 1] * n..] } else { &[] },
+            cells: &mut cells[..rows.len() * n],
+            tanh_cells: &mut self.tanh_cells[of(n)],
+            hidden: &mut self.hidden[of(n)],
+        });
     }
 
     /// Writes the gradient of the parameters into `gradient` (which it replaces), from the output gradients
@@ -258,104 +241,159 @@ impl LstmBatch {
         assert_eq!(net.shape, self.shape, "a workspace serves one shape");
         assert_eq!(gradient.len(), net.params.len(), "one number for each parameter");
         let (rows, n) = (self.packing.rows(), self.shape.hidden);
-        let head = self.shape.head();
+        let (layer, head) = (self.shape.gates(), self.shape.head());
+        let of_h = &layer.weights(&net.params)[self.shape.input * layer.outputs..];
+        transpose(of_h, n, 4 * n, &mut self.transposed_gates);
+        transpose(head.weights(&net.params), n, head.outputs, &mut self.transposed_head);
+
         let d_outputs = &self.d_outputs[..rows * head.outputs];
-        dense_batch::gradient(&head, Matrix::new(&self.hidden, rows, n), d_outputs, gradient);
-        dense_batch::backward(&head, &net.params, d_outputs, &mut self.d_from_head[..rows * n]);
+        dense_batch::gradient(&head, &self.hidden[..rows * n], d_outputs, gradient);
+        dense_batch::backward(&head, &self.transposed_head, d_outputs, &mut self.d_from_head[..rows * n]);
         self.d_hidden.fill(0.0);
         self.d_cells.fill(0.0);
         for t in (0..self.packing.ticks()).rev() {
-            self.backward_tick(net, t);
+            self.backward_tick(t);
         }
-        let layer = self.shape.gates();
         let d_gates = &self.gates[..rows * layer.outputs];
-        dense_batch::gradient(&layer, Matrix::new(&self.inputs, rows, layer.inputs), d_gates, gradient);
+        dense_batch::gradient(&layer, &self.inputs[..rows * layer.inputs], d_gates, gradient);
     }
 
-    fn backward_tick(&mut self, net: &Lstm, t: usize) {
+    fn backward_tick(&mut self, t: usize) {
         let n = self.shape.hidden;
         let rows = self.packing.tick(t);
-        for (rank, row) in rows.clone().enumerate() {
-            let before = if t > 0 { &self.cells[(self.packing.first[t - 1] + rank) * n..][..n] } else { &[] };
-            CellGradient {
-                gates: &mut self.gates[row * 4 * n..][..4 * n],
-                tanh_cell: &self.tanh_cells[row * n..][..n],
-                d_from_head: &self.d_from_head[row * n..][..n],
-                d_hidden: &self.d_hidden[rank * n..][..n],
-                d_cell: &mut self.d_cells[rank * n..][..n],
-            }
-            .backward(before);
-        }
+        let of = |width: usize| rows.start * width..rows.end * width;
+        let gates = &mut self.gates[of(4 * n)];
+        vectorised(BackwardCells {
+            hidden_width: n,
+            gates,
+            before: if t > 0 { &self.cells[self.packing.first[t - 1] * n..] } else { &[] },
+            tanh_cells: &self.tanh_cells[of(n)],
+            d_from_head: &mut self.d_from_head[of(n)],
+            d_hidden: &self.d_hidden[..rows.len() * n],
+            d_cells: &mut self.d_cells[..rows.len() * n],
+        });
         if t > 0 {
-            let layer = self.shape.gates();
-            let of_h = &layer.weights(&net.params)[self.shape.input * layer.outputs..];
-            let d_gates = Matrix::new(&self.gates[rows.start * 4 * n..], rows.len(), 4 * n);
-            let d_hidden = &mut self.d_hidden[..rows.len() * n];
-            multiply(d_gates, Matrix::new(of_h, n, 4 * n).transposed(), false, d_hidden);
+            let layer = Layer { inputs: n, ..self.shape.gates() };
+            dense_batch::backward(
+                &layer,
+                &self.transposed_gates,
+                gates,
+                &mut self.d_hidden[..rows.len() * n],
+            );
         }
     }
 }
 
-/// One sequence at one tick, forward. `gates` come in as sums and go out activated.
-struct CellRow<'a> {
+/// All sequences at one tick, forward, from the gates' sums to h. Matrices have a row a sequence.
+struct ForwardCells<'a> {
+    hidden_width: usize,
+    /// Sums in, activated gates out.
     gates: &'a mut [f32],
-    cell: &'a mut [f32],
-    tanh_cell: &'a mut [f32],
+    /// Cell states of the tick before, for at least as many sequences; empty at the first tick.
+    before: &'a [f32],
+    cells: &'a mut [f32],
+    tanh_cells: &'a mut [f32],
     hidden: &'a mut [f32],
 }
 
-impl CellRow<'_> {
-    /// `before` is the cell state of the tick before, empty at the first tick.
-    fn forward(self, before: &[f32]) {
-        let n = self.cell.len();
-        let (i, rest) = self.gates.split_at_mut(n);
-        let (f, rest) = rest.split_at_mut(n);
-        let (g, o) = rest.split_at_mut(n);
-        for k in 0..n {
-            i[k] = sigmoid(i[k]);
-            f[k] = sigmoid(f[k]);
-            g[k] = tanh(g[k]);
-            o[k] = sigmoid(o[k]);
-            self.cell[k] = i[k] * g[k];
+impl WithSimd for ForwardCells<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let n = self.hidden_width;
+        let mut before = self.before.chunks_exact(n);
+        for (gates, cell) in self.gates.chunks_exact_mut(4 * n).zip(self.cells.chunks_exact_mut(n)) {
+            forward_cell(gates, before.next(), cell);
         }
-        for (c, (f, before)) in self.cell.iter_mut().zip(f.iter().zip(before)) {
-            *c += f * before;
-        }
-        let states = self.tanh_cell.iter_mut().zip(self.hidden).zip(self.cell.iter().zip(o));
-        for ((tanh_cell, hidden), (cell, o)) in states {
-            *tanh_cell = tanh(*cell);
-            *hidden = *o * *tanh_cell;
+        self.tanh_cells.iter_mut().zip(&*self.cells).for_each(|(y, &x)| *y = tanh(x));
+        let outputs = self.gates.chunks_exact(4 * n).map(|gates| &gates[3 * n..]);
+        let states = self.hidden.chunks_exact_mut(n).zip(self.tanh_cells.chunks_exact(n));
+        for (o, (hidden, tanh_cell)) in outputs.zip(states) {
+            hidden.iter_mut().zip(o.iter().zip(tanh_cell)).for_each(|(h, (o, tc))| *h = o * tc);
         }
     }
 }
 
-/// One sequence at one tick, backward. `gates` come in activated and go out as gradients of their sums.
-struct CellGradient<'a> {
+/// All sequences at one tick, backward, from the gradient at h to the gradients at the gates' sums.
+struct BackwardCells<'a> {
+    hidden_width: usize,
+    /// Activated gates in, gradients at their sums out.
     gates: &'a mut [f32],
-    tanh_cell: &'a [f32],
-    d_from_head: &'a [f32],
+    /// Cell states of the tick before; empty at the first tick.
+    before: &'a [f32],
+    tanh_cells: &'a [f32],
+    /// Gradient at h from the head in, the whole gradient at h out.
+    d_from_head: &'a mut [f32],
+    /// Gradient at h from the tick behind.
     d_hidden: &'a [f32],
-    d_cell: &'a mut [f32],
+    /// Gradient at c from the tick behind in, for the tick before out.
+    d_cells: &'a mut [f32],
 }
 
-impl CellGradient<'_> {
-    /// `before` is the cell state of the tick before, empty at the first tick.
-    fn backward(self, before: &[f32]) {
-        let n = self.d_cell.len();
-        let (i, rest) = self.gates.split_at_mut(n);
-        let (f, rest) = rest.split_at_mut(n);
-        let (g, o) = rest.split_at_mut(n);
-        for k in 0..n {
-            let d_hidden = self.d_from_head[k] + self.d_hidden[k];
-            let tc = self.tanh_cell[k];
-            let d_cell = self.d_cell[k] + d_hidden * o[k] * (1.0 - tc * tc);
-            o[k] = d_hidden * tc * o[k] * (1.0 - o[k]);
-            let before = before.get(k).copied().unwrap_or(0.0);
-            self.d_cell[k] = d_cell * f[k];
-            f[k] = d_cell * before * f[k] * (1.0 - f[k]);
-            let (ik, gk) = (i[k], g[k]);
-            i[k] = d_cell * gk * ik * (1.0 - ik);
-            g[k] = d_cell * ik * (1.0 - gk * gk);
+impl WithSimd for BackwardCells<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let n = self.hidden_width;
+        self.d_from_head.iter_mut().zip(self.d_hidden).for_each(|(d, behind)| *d += behind);
+        let states = self.tanh_cells.chunks_exact(n).zip(self.d_from_head.chunks_exact(n));
+        let gates = self.gates.chunks_exact_mut(4 * n).zip(self.d_cells.chunks_exact_mut(n));
+        let mut before = self.before.chunks_exact(n);
+        for ((gates, d_cell), (tanh_cell, d_hidden)) in gates.zip(states) {
+            backward_output_gate(&mut gates[3 * n..], tanh_cell, d_hidden, d_cell);
+            backward_cell(&mut gates[..3 * n], before.next(), d_cell);
         }
+    }
+}
+
+/// Activates the sums of all gates and computes the cell states. `before` are those of the tick before.
+#[inline(always)]
+fn forward_cell(gates: &mut [f32], before: Option<&[f32]>, cell: &mut [f32]) {
+    let n = cell.len();
+    let (i, rest) = gates.split_at_mut(n);
+    let (f, rest) = rest.split_at_mut(n);
+    let (g, o) = rest.split_at_mut(n);
+    i.iter_mut().for_each(|x| *x = sigmoid(*x));
+    f.iter_mut().for_each(|x| *x = sigmoid(*x));
+    g.iter_mut().for_each(|x| *x = tanh(*x));
+    o.iter_mut().for_each(|x| *x = sigmoid(*x));
+    cell.iter_mut().zip(i.iter().zip(&*g)).for_each(|(c, (i, g))| *c = i * g);
+    if let Some(before) = before {
+        cell.iter_mut().zip(f.iter().zip(before)).for_each(|(c, (f, before))| *c += f * before);
+    }
+}
+
+/// From the gradient at h = o·tanh(c): adds to the gradient at c, and replaces the activated output gates by
+/// the gradient at their sums.
+#[inline(always)]
+fn backward_output_gate(o: &mut [f32], tanh_cell: &[f32], d_hidden: &[f32], d_cell: &mut [f32]) {
+    for ((d_cell, o), (dh, tc)) in d_cell.iter_mut().zip(&*o).zip(d_hidden.iter().zip(tanh_cell)) {
+        *d_cell += dh * o * (1.0 - tc * tc);
+    }
+    for (o, (dh, tc)) in o.iter_mut().zip(d_hidden.iter().zip(tanh_cell)) {
+        *o = dh * tc * *o * (1.0 - *o);
+    }
+}
+
+/// From the gradient at c = f·before + i·g: replaces the activated gates by the gradients at their sums, and
+/// the gradient at c by that at `before`.
+#[inline(always)]
+fn backward_cell(gates: &mut [f32], before: Option<&[f32]>, d_cell: &mut [f32]) {
+    let n = d_cell.len();
+    let (i, rest) = gates.split_at_mut(n);
+    let (f, g) = rest.split_at_mut(n);
+    for ((i, g), d) in i.iter_mut().zip(g).zip(&*d_cell) {
+        let (at_i, at_g) = (d * *g * *i * (1.0 - *i), d * *i * (1.0 - *g * *g));
+        (*i, *g) = (at_i, at_g);
+    }
+    let Some(before) = before else {
+        f.fill(0.0);
+        return;
+    };
+    for ((f, before), d) in f.iter_mut().zip(before).zip(d_cell) {
+        let (at_f, at_before) = (*d * before * *f * (1.0 - *f), *d * *f);
+        (*f, *d) = (at_f, at_before);
     }
 }

@@ -3,7 +3,7 @@
 use super::{Head, Mlp, MlpShape, combine, relu};
 use crate::dense::Layer;
 use crate::dense_batch;
-use crate::gemm::Matrix;
+use crate::gemm::{transpose, vectorised};
 
 /// Workspace for batches of up to a fixed number of rows. After it is made nothing allocates.
 ///
@@ -23,6 +23,8 @@ pub struct MlpBatch {
     /// Loss gradients of two neighbouring layers' outputs.
     delta: Vec<f32>,
     next_delta: Vec<f32>,
+    /// The transpose of one layer's weights.
+    transposed: Vec<f32>,
 }
 
 impl MlpBatch {
@@ -37,6 +39,7 @@ impl MlpBatch {
             outputs: vec![0.0; shape.outputs() * most_rows],
             delta: vec![0.0; shape.widest() * most_rows],
             next_delta: vec![0.0; shape.widest() * most_rows],
+            transposed: vec![0.0; layers.iter().map(|l| l.inputs * l.outputs).max().unwrap_or(0)],
             layers,
             shape: shape.clone(),
         }
@@ -56,9 +59,9 @@ impl MlpBatch {
             let (before, from_here) = self.activations.split_at_mut(i);
             let input = before.last().map_or(x, Vec::as_slice);
             let y = &mut from_here[0][..rows * layer.outputs];
-            dense_batch::forward(layer, net.params(), Matrix::new(input, rows, layer.inputs), y);
+            dense_batch::forward(layer, net.params(), input, y);
             if i < hidden {
-                relu(y);
+                vectorised(|| relu(y));
             }
         }
         self.combine_rows();
@@ -88,11 +91,13 @@ impl MlpBatch {
         for (i, layer) in self.layers.iter().enumerate().rev() {
             let input = if i == 0 { x } else { &self.activations[i - 1] };
             let delta = &self.delta[..rows * layer.outputs];
-            dense_batch::gradient(layer, Matrix::new(input, rows, layer.inputs), delta, gradient);
+            dense_batch::gradient(layer, &input[..rows * layer.inputs], delta, gradient);
             if i > 0 {
                 let next = &mut self.next_delta[..rows * layer.inputs];
-                dense_batch::backward(layer, net.params(), delta, next);
-                mask(&self.activations[i - 1], next);
+                let transposed = &mut self.transposed[..layer.inputs * layer.outputs];
+                transpose(layer.weights(net.params()), layer.inputs, layer.outputs, transposed);
+                dense_batch::backward(layer, transposed, delta, next);
+                vectorised(|| mask(&self.activations[i - 1], next));
                 std::mem::swap(&mut self.delta, &mut self.next_delta);
             }
         }
@@ -115,6 +120,7 @@ impl MlpBatch {
 }
 
 /// No gradient passes where ReLU's output is 0.
+#[inline(always)]
 fn mask(activations: &[f32], delta: &mut [f32]) {
     for (d, &a) in delta.iter_mut().zip(activations) {
         *d = if a > 0.0 { *d } else { 0.0 };
