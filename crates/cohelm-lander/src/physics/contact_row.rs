@@ -4,7 +4,7 @@
 
 use super::body::Part;
 use super::contact::Contact;
-use super::hinge_row::Velocities;
+use super::hinge_row::Twist;
 use super::lanes::Lanes;
 use super::manifold::{Face, Manifold};
 use super::position::Position;
@@ -36,16 +36,12 @@ pub(crate) struct Velocity {
 }
 
 impl Velocity {
-    /// Of lane 0 of body `body`.
-    pub fn of(velocities: &Velocities<1>, body: usize) -> Velocity {
-        let linear = vec2(velocities.x[body].0[0], velocities.y[body].0[0]);
-        Velocity { linear, omega: velocities.omega[body].0[0] }
+    pub fn of(twist: &Twist<1>) -> Velocity {
+        Velocity { linear: vec2(twist.x.0[0], twist.y.0[0]), omega: twist.omega.0[0] }
     }
 
-    pub fn put(self, velocities: &mut Velocities<1>, body: usize) {
-        velocities.x[body] = Lanes([self.linear.x]);
-        velocities.y[body] = Lanes([self.linear.y]);
-        velocities.omega[body] = Lanes([self.omega]);
+    pub fn twist(self) -> Twist<1> {
+        Twist { x: Lanes([self.linear.x]), y: Lanes([self.linear.y]), omega: Lanes([self.omega]) }
     }
 
     fn at(self, arm: Vec2) -> Vec2 {

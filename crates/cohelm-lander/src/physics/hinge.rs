@@ -4,7 +4,7 @@
 //! [`HingeRow`](super::hinge_row::HingeRow) and afterwards takes the impulses back.
 
 use super::body::{BODIES, HULL, LEG_AWAY, LEG_DOWN, LEG_START_RAD, LEGS, Part, parts};
-use super::hinge_row::HingeRow;
+use super::hinge_row::{HingeRow, Sums};
 use super::lanes::Lanes;
 use super::position::Position;
 use super::tuning::{ANGULAR_SLOP, LINEAR_SLOP, MAX_ANGULAR_CORRECTION};
@@ -82,14 +82,10 @@ impl Hinge {
         self.limit = limit;
     }
 
-    /// The velocity equations at these positions; impulses of the last step are scaled by `step_ratio`.
-    pub fn row(&mut self, positions: &[Position; BODIES], step_s: f32, step_ratio: f32) -> HingeRow<1> {
+    /// The velocity equations at these positions.
+    pub fn row(&mut self, positions: &[Position; BODIES], step_s: f32) -> HingeRow<1> {
         let (hull, leg) = (positions[HULL], positions[self.leg]);
         self.find_limit(self.angle_rad(&hull, &leg));
-        for impulse in &mut self.impulse {
-            *impulse *= step_ratio;
-        }
-        self.motor_impulse *= step_ratio;
 
         let (ra, rb) = (hull.rotation.apply(Hinge::hull_arm()), leg.rotation.apply(self.leg_arm));
         let ((ma, ia), (mb, ib)) = self.inverse_masses();
@@ -107,7 +103,6 @@ impl Hinge {
             Limit::Upper => -1.0,
         };
         HingeRow {
-            leg: self.leg,
             hull_arm: one(ra),
             leg_arm: one(rb),
             inverse_masses: [ma, ia, mb, ib].map(Lanes::all),
@@ -117,15 +112,20 @@ impl Hinge {
             motor_speed: Lanes::all(self.motor_speed),
             max_motor_impulse: Lanes::all(step_s * MAX_MOTOR_TORQUE),
             limit_side: Lanes::all(limit_side),
-            impulse: self.impulse.map(Lanes::all),
-            motor_impulse: Lanes::all(self.motor_impulse),
         }
     }
 
-    /// Keeps the impulses of lane `lane` for the next step.
-    pub fn store<const L: usize>(&mut self, row: &HingeRow<L>, lane: usize) {
-        self.impulse = row.impulse.map(|impulse| impulse.0[lane]);
-        self.motor_impulse = row.motor_impulse.0[lane];
+    /// The impulses that the step begins with: those of the last one, scaled by `step_ratio`. Call after [`Hinge::row`], which
+    /// decides whether the limit's still counts.
+    pub fn sums(&self, step_ratio: f32) -> Sums<1> {
+        let [x, y, limit] = self.impulse.map(|impulse| Lanes::all(impulse * step_ratio));
+        Sums { pin: [x, y], limit, motor: Lanes::all(self.motor_impulse * step_ratio) }
+    }
+
+    /// Keeps the impulses for the next step.
+    pub fn store(&mut self, sums: &Sums<1>) {
+        self.impulse = [sums.pin[0], sums.pin[1], sums.limit].map(|impulse| impulse.0[0]);
+        self.motor_impulse = sums.motor.0[0];
     }
 
     /// Inverse mass and inverse inertia of the hull, then of the leg.

@@ -1,24 +1,21 @@
-//! The velocity equations of one hinge and their iteration: where four fifths of the time goes.
+//! The velocity equations of one hinge and their iteration: where most of the time goes.
 //!
 //! Sequential impulses: motor, then pin and limit together, each iteration starting from the velocities that the one before
 //! left. Every number is [`Lanes`], one lane a world.
 
-use super::body::HULL;
 use super::lanes::{Lanes, Mask};
 
-/// Velocities of hull, leg, leg in `L` worlds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Velocities<const L: usize> {
-    pub x: [Lanes<L>; 3],
-    pub y: [Lanes<L>; 3],
-    pub omega: [Lanes<L>; 3],
+/// Velocity and spin of one body in `L` worlds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Twist<const L: usize> {
+    pub x: Lanes<L>,
+    pub y: Lanes<L>,
+    pub omega: Lanes<L>,
 }
 
-/// The velocity equations of one hinge in `L` worlds.
+/// The velocity equations of one hinge in `L` worlds: what stays the same in all iterations of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HingeRow<const L: usize> {
-    /// Index of the leg among the bodies.
-    pub leg: usize,
     /// From the hull's centre of mass to the pin, world frame.
     pub hull_arm: [Lanes<L>; 2],
     /// From the leg's centre of mass to the pin, world frame.
@@ -34,79 +31,124 @@ pub(crate) struct HingeRow<const L: usize> {
     pub max_motor_impulse: Lanes<L>,
     /// +1 at the lower limit, −1 at the upper, 0 in between: the only direction in which the limit pushes.
     pub limit_side: Lanes<L>,
-    /// Sums over all iterations: pin x, pin y, limit.
-    pub impulse: [Lanes<L>; 3],
-    /// The same of the motor.
-    pub motor_impulse: Lanes<L>,
+}
+
+/// Impulses summed over all iterations, and over earlier steps by warm starting.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sums<const L: usize> {
+    /// Of the pin, x and y.
+    pub pin: [Lanes<L>; 2],
+    pub limit: Lanes<L>,
+    pub motor: Lanes<L>,
+}
+
+/// What one iteration did at one hinge: enough to tell whether another one with the same velocities would do the same.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push<const L: usize> {
+    /// What the motor would have added without its bounds.
+    pub motor_wanted: Lanes<L>,
+    pub motor: Lanes<L>,
+    /// Pin x, pin y.
+    pub pin: [Lanes<L>; 2],
+    pub limit: Lanes<L>,
+    /// What the limit had given before; counts only where it lets go.
+    pub limit_given: Lanes<L>,
+    /// Where the limit would have had to pull, or is not reached at all.
+    pub lets_go: Mask<L>,
+}
+
+impl<const L: usize> Push<L> {
+    /// Before anything was done.
+    pub const NONE: Push<L> = Push {
+        motor_wanted: Lanes::ZERO,
+        motor: Lanes::ZERO,
+        pin: [Lanes::ZERO; 2],
+        limit: Lanes::ZERO,
+        limit_given: Lanes::ZERO,
+        lets_go: Mask([false; L]),
+    };
 }
 
 impl<const L: usize> HingeRow<L> {
     /// Applies the impulses that the hinge begins the step with.
-    pub fn warm_start(&self, v: &mut Velocities<L>) {
+    pub fn warm_start(&self, sums: &Sums<L>, hull: &mut Twist<L>, leg: &mut Twist<L>) {
         let [ma, ia, mb, ib] = self.inverse_masses;
-        let [x, y, z] = self.impulse;
-        let hull_torque = cross(self.hull_arm, [x, y]) + self.motor_impulse + z;
-        let leg_torque = cross(self.leg_arm, [x, y]) + self.motor_impulse + z;
-        v.x[HULL] = v.x[HULL] - ma * x;
-        v.y[HULL] = v.y[HULL] - ma * y;
-        v.omega[HULL] = v.omega[HULL] - ia * hull_torque;
-        v.x[self.leg] = v.x[self.leg] + mb * x;
-        v.y[self.leg] = v.y[self.leg] + mb * y;
-        v.omega[self.leg] = v.omega[self.leg] + ib * leg_torque;
+        let [x, y] = sums.pin;
+        hull.x = hull.x - ma * x;
+        hull.y = hull.y - ma * y;
+        hull.omega = hull.omega - ia * (cross(self.hull_arm, sums.pin) + sums.motor + sums.limit);
+        leg.x = leg.x + mb * x;
+        leg.y = leg.y + mb * y;
+        leg.omega = leg.omega + ib * (cross(self.leg_arm, sums.pin) + sums.motor + sums.limit);
     }
 
     /// One iteration.
     #[inline(always)]
-    pub fn iterate(&mut self, v: &mut Velocities<L>) {
-        self.run_motor(v);
+    pub fn iterate(&self, sums: &mut Sums<L>, hull: &mut Twist<L>, leg: &mut Twist<L>) -> Push<L> {
         let [ma, ia, mb, ib] = self.inverse_masses;
-        let (wa, wb) = (v.omega[HULL], v.omega[self.leg]);
         let ([rax, ray], [rbx, rby]) = (self.hull_arm, self.leg_arm);
+
+        let motor_wanted = -self.motor_mass * (leg.omega - hull.omega - self.motor_speed);
+        let bounded = self.bounded_motor(sums.motor + motor_wanted);
+        let motor = bounded - sums.motor;
+        sums.motor = bounded;
+        let hull_omega = hull.omega - ia * motor;
+        let leg_omega = leg.omega + ib * motor;
+
         let drift = [
-            v.x[self.leg] - wb * rby - v.x[HULL] + wa * ray,
-            v.y[self.leg] + wb * rbx - v.y[HULL] - wa * rax,
-            wb - wa,
+            leg.x - leg_omega * rby - hull.x + hull_omega * ray,
+            leg.y + leg_omega * rbx - hull.y - hull_omega * rax,
+            leg_omega - hull_omega,
         ];
-        let [x, y, z] = self.pin_and_limit(drift);
-        v.x[HULL] = v.x[HULL] - ma * x;
-        v.y[HULL] = v.y[HULL] - ma * y;
-        v.omega[HULL] = wa - ia * (cross(self.hull_arm, [x, y]) + z);
-        v.x[self.leg] = v.x[self.leg] + mb * x;
-        v.y[self.leg] = v.y[self.leg] + mb * y;
-        v.omega[self.leg] = wb + ib * (cross(self.leg_arm, [x, y]) + z);
+        let limit_given = sums.limit;
+        let (lets_go, [x, y, z]) = self.pin_and_limit(limit_given, drift);
+        sums.pin = [sums.pin[0] + x, sums.pin[1] + y];
+        sums.limit = limit_given + z;
+        hull.x = hull.x - ma * x;
+        hull.y = hull.y - ma * y;
+        hull.omega = hull_omega - ia * (cross(self.hull_arm, [x, y]) + z);
+        leg.x = leg.x + mb * x;
+        leg.y = leg.y + mb * y;
+        leg.omega = leg_omega + ib * (cross(self.leg_arm, [x, y]) + z);
+        Push { motor_wanted, motor, pin: [x, y], limit: z, limit_given, lets_go }
     }
 
-    /// Drives the leg towards the motor's speed as far as its torque allows.
+    /// The motor's sum within what its torque allows.
+    ///
+    /// A predicted branch costs nothing on the chain of dependencies that an iteration is; a minimum and a maximum are a
+    /// seventh of its length.
     #[inline(always)]
-    fn run_motor(&mut self, v: &mut Velocities<L>) {
-        let [_, ia, _, ib] = self.inverse_masses;
-        let drift = v.omega[self.leg] - v.omega[HULL] - self.motor_speed;
-        let wanted = self.motor_impulse + -self.motor_mass * drift;
+    pub fn bounded_motor(&self, sum: Lanes<L>) -> Lanes<L> {
         let max = self.max_motor_impulse;
-        let bounded = wanted.less_than(max).choose(wanted, max);
-        let bounded = bounded.less_than(-max).choose(-max, bounded);
-        let impulse = bounded - self.motor_impulse;
-        self.motor_impulse = bounded;
-        v.omega[HULL] = v.omega[HULL] - ia * impulse;
-        v.omega[self.leg] = v.omega[self.leg] + ib * impulse;
+        if sum.less_than(max).every() && (-max).less_than(sum).every() {
+            return sum;
+        }
+        unusual();
+        let bounded = sum.less_than(max).choose(sum, max);
+        bounded.less_than(-max).choose(-max, bounded)
     }
 
-    /// The impulse of this iteration, already added to the sums. Pin and limit are solved together; where the limit would have
-    /// to pull, it lets go and the pin is solved alone.
+    /// Where this limit would have to pull for its impulses to have this sum.
     #[inline(always)]
-    fn pin_and_limit(&mut self, drift: [Lanes<L>; 3]) -> [Lanes<L>; 3] {
+    pub fn would_pull(&self, limit_sum: Lanes<L>) -> Mask<L> {
+        (self.limit_side * limit_sum).less_than(Lanes::ZERO)
+    }
+
+    /// The impulses of this iteration, and where the limit lets go. Pin and limit are solved together; where the limit would
+    /// have to pull, it takes back what it has given in this step and the pin is solved alone.
+    #[inline(always)]
+    fn pin_and_limit(&self, given: Lanes<L>, drift: [Lanes<L>; 3]) -> (Mask<L>, [Lanes<L>; 3]) {
         let free = Mask(self.limit_side.0.map(|side| side == 0.0));
         if free.every() {
-            return self.add(self.pin(drift));
+            return (free, self.pin(given, drift));
         }
         let both = self.pin_with_limit(drift);
-        let sum = self.impulse[2] + both[2];
-        let lets_go = (self.limit_side * sum).less_than(Lanes::ZERO).or(free);
+        let lets_go = self.would_pull(given + both[2]).or(free);
         if lets_go.none() {
-            return self.add(both);
+            return (lets_go, both);
         }
-        let pin = self.pin(drift);
-        self.add(std::array::from_fn(|axis| lets_go.choose(pin[axis], both[axis])))
+        let pin = self.pin(given, drift);
+        (lets_go, std::array::from_fn(|axis| lets_go.choose(pin[axis], both[axis])))
     }
 
     /// Pin and limit held together.
@@ -122,20 +164,13 @@ impl<const L: usize> HingeRow<L> {
         [-x, -y, -z]
     }
 
-    /// The pin alone; the limit takes back what it has given in this step (nothing, where it is free).
+    /// The pin alone; the limit takes back what it has given (nothing, where it is free).
     #[inline(always)]
-    fn pin(&self, [drift_x, drift_y, _]: [Lanes<L>; 3]) -> [Lanes<L>; 3] {
+    fn pin(&self, given: Lanes<L>, [drift_x, drift_y, _]: [Lanes<L>; 3]) -> [Lanes<L>; 3] {
         let [xx, xy, xz, yy, yz, _] = self.matrix;
         let inverse_det = self.inverses[4];
-        let given = self.impulse[2];
         let (bx, by) = (-drift_x + given * xz, -drift_y + given * yz);
         [inverse_det * (yy * bx - xy * by), inverse_det * (xx * by - xy * bx), -given]
-    }
-
-    #[inline(always)]
-    fn add(&mut self, impulse: [Lanes<L>; 3]) -> [Lanes<L>; 3] {
-        self.impulse = std::array::from_fn(|axis| self.impulse[axis] + impulse[axis]);
-        impulse
     }
 }
 
@@ -143,3 +178,7 @@ impl<const L: usize> HingeRow<L> {
 fn cross<const L: usize>(arm: [Lanes<L>; 2], v: [Lanes<L>; 2]) -> Lanes<L> {
     arm[0] * v[1] - arm[1] * v[0]
 }
+
+/// Marks a branch that must stay a branch: the compiler would turn it into arithmetic, which waits for both sides.
+#[cold]
+fn unusual() {}

@@ -18,6 +18,7 @@ mod impact;
 mod lanes;
 mod manifold;
 mod position;
+mod relax;
 mod shape;
 mod tuning;
 pub(crate) mod vector;

@@ -5,9 +5,9 @@ use super::contact::{Change, Contact};
 use super::contact_row::{ContactRow, Correction, Velocity};
 use super::ground::Ground;
 use super::hinge::Hinge;
-use super::hinge_row::Velocities;
-use super::lanes::Lanes;
+use super::hinge_row::Twist;
 use super::position::Position;
+use super::relax::{Hinges, Twists};
 use super::tuning::{MAX_ROTATION, MAX_TRANSLATION, SLEEP_SPEED, SLEEP_SPIN, TIME_TO_SLEEP_S};
 use super::vector::{Transform, Vec2, smaller, vec2};
 
@@ -173,20 +173,20 @@ impl World {
             body.wake();
         }
         let mut positions = self.bodies.each_ref().map(Position::of);
-        let mut velocities = self.accelerated(step_s);
+        let mut twists = self.accelerated(step_s);
         let mut rows = self.contact_rows(order, step_ratio);
-        self.solve_velocities(&mut velocities, &positions, &mut rows, (step_s, step_ratio));
+        self.solve_velocities(&mut twists, &positions, &mut rows, (step_s, step_ratio));
 
         for (index, position) in positions.iter_mut().enumerate() {
-            let mut velocity = Velocity::of(&velocities, index);
+            let mut velocity = Velocity::of(&twists[index]);
             position.drift(&mut velocity, step_s);
-            velocity.put(&mut velocities, index);
+            twists[index] = velocity.twist();
         }
         let settled = self.correct_positions(&mut positions, &rows);
         for (index, body) in self.bodies.iter_mut().enumerate() {
             let sweep = &mut body.sweep;
             (sweep.c0, sweep.a0) = (sweep.c, sweep.a);
-            body.take(&positions[index], Velocity::of(&velocities, index));
+            body.take(&positions[index], Velocity::of(&twists[index]));
         }
         self.fall_asleep(step_s, settled);
         for (body, part) in self.bodies.iter_mut().zip(parts()) {
@@ -196,16 +196,14 @@ impl World {
     }
 
     /// Velocities after gravity and the gathered forces have acted.
-    fn accelerated(&self, step_s: f32) -> Velocities<1> {
+    fn accelerated(&self, step_s: f32) -> Twists<1> {
         let gravity = vec2(0.0, self.settings.gravity as f32);
-        let mut velocities =
-            Velocities { x: [Lanes::ZERO; BODIES], y: [Lanes::ZERO; BODIES], omega: [Lanes::ZERO; BODIES] };
-        for (index, (body, part)) in self.bodies.iter().zip(parts()).enumerate() {
+        std::array::from_fn(|index| {
+            let (body, part) = (&self.bodies[index], &parts()[index]);
             let linear = body.velocity + step_s * (gravity + part.inverse_mass * body.force);
             let omega = body.omega + step_s * part.inverse_inertia * body.torque;
-            Velocity { linear, omega }.put(&mut velocities, index);
-        }
-        velocities
+            Velocity { linear, omega }.twist()
+        })
     }
 
     /// The equations of touching contacts, in the order of the walk, newest first for each body.
@@ -228,33 +226,35 @@ impl World {
 
     fn solve_velocities(
         &mut self,
-        velocities: &mut Velocities<1>,
+        twists: &mut Twists<1>,
         positions: &[Position; BODIES],
-        rows: &mut [ContactRow],
+        contacts: &mut [ContactRow],
         (step_s, step_ratio): (f32, f32),
     ) {
-        for row in rows.iter_mut() {
+        for row in contacts.iter_mut() {
             row.prepare(&positions[row.body]);
         }
-        for row in rows.iter() {
-            with_velocity(velocities, row.body, |velocity| row.warm_start(velocity));
+        for row in contacts.iter() {
+            change(&mut twists[row.body], |velocity| row.warm_start(velocity));
         }
-        // The newest hinge comes first: Box2D walks its lists from the newest.
-        let [first, second] = &mut self.hinges;
-        let mut newer = second.row(positions, step_s, step_ratio);
-        newer.warm_start(velocities);
-        let mut older = first.row(positions, step_s, step_ratio);
-        older.warm_start(velocities);
-        for _ in 0..self.settings.velocity_iterations {
-            newer.iterate(velocities);
-            older.iterate(velocities);
-            for row in rows.iter_mut() {
-                with_velocity(velocities, row.body, |velocity| row.iterate(velocity));
+        let rows = self.hinges.each_mut().map(|hinge| hinge.row(positions, step_s));
+        let sums = self.hinges.each_ref().map(|hinge| hinge.sums(step_ratio));
+        let mut hinges = Hinges { rows, sums };
+        hinges.warm_start(twists);
+        if contacts.is_empty() {
+            hinges.relax(twists, self.settings.velocity_iterations);
+        } else {
+            for _ in 0..self.settings.velocity_iterations {
+                hinges.iterate(twists);
+                for row in contacts.iter_mut() {
+                    change(&mut twists[row.body], |velocity| row.iterate(velocity));
+                }
             }
         }
-        second.store(&newer, 0);
-        first.store(&older, 0);
-        for row in rows {
+        for (hinge, sums) in self.hinges.iter_mut().zip(&hinges.sums) {
+            hinge.store(sums);
+        }
+        for row in contacts {
             row.store(&mut self.contacts[row.contact].manifold);
         }
     }
@@ -290,10 +290,10 @@ impl World {
     }
 }
 
-fn with_velocity(velocities: &mut Velocities<1>, body: usize, change: impl FnOnce(&mut Velocity)) {
-    let mut velocity = Velocity::of(velocities, body);
+fn change(twist: &mut Twist<1>, change: impl FnOnce(&mut Velocity)) {
+    let mut velocity = Velocity::of(twist);
     change(&mut velocity);
-    velocity.put(velocities, body);
+    *twist = velocity.twist();
 }
 
 impl Position {
