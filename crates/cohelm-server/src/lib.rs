@@ -1,14 +1,41 @@
-//! The server of flights that people fly in the page.
+//! The server of flights that people fly in the page: the only async crate.
+//!
+//! Physics and co-pilot run in the page, so that a key acts at the next tick whatever the network does. The server
+//! follows: it flies each piece of the key log again, refuses what differs, stores what fits, and acknowledges it.
 //!
 //! | module | what it explains |
 //! |---|---|
-//! | [`store`] | where episodes and models are kept |
-//! | [`hangar`] | what can be flown here: plants and models |
+//! | [`mod@app`] | the routes |
+//! | [`serve`] | a listener and its end |
+//! | [`server`] | what all connections share |
+//! | `session` | one connection with a page |
+//! | [`protocol`] | what page and server say to each other, as bytes |
 //! | [`follow`] | the page's key log flown again, which must give the same bits |
+//! | [`hangar`] | what can be flown here: plants and models |
+//! | `lease` | one connection a flight |
+//! | [`store`] | where episodes and models are kept |
+//! | [`learn`] | values that learn while people fly |
+//! | [`page`] | the built page, inside the program |
+//! | [`hosts`] | who may talk to the server |
+//!
+//! It knows no plant and trains nothing; no request reaches the file system, and none makes it panic.
 #![forbid(unsafe_code)]
 
+pub mod app;
 pub mod follow;
 pub mod hangar;
+pub mod hosts;
+pub mod learn;
+mod lease;
+pub mod page;
+pub mod protocol;
+pub mod serve;
+pub mod server;
+mod session;
 pub mod store;
 #[cfg(test)]
 mod testing;
+
+pub use app::app;
+pub use serve::{bind, serve};
+pub use server::{Parts, Server};

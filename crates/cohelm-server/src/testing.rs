@@ -1,7 +1,10 @@
 //! What the tests of this crate share: a page that flies the point, and a database in a folder of its own.
 
 use crate::follow::End;
-use crate::hangar::Hangar;
+use crate::hosts::Hosts;
+use crate::learn::Lessons;
+use crate::page::Assets;
+use crate::server::{Parts, Server};
 use crate::store::{Chunk, FlightKey, Record, SqliteStore, Store};
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
@@ -123,9 +126,18 @@ impl Disk {
         let store = SqliteStore::open(&folder.path().join("flights.db")).await.unwrap();
         Self { folder, store: Arc::new(store) }
     }
+}
 
-    pub fn hangar(&self) -> Hangar {
+impl Disk {
+    /// A server on this database, for the point.
+    pub async fn server(&self) -> Server {
+        self.server_with(None, Assets::of(&[])).await
+    }
+
+    pub async fn server_with(&self, lessons: Option<Lessons>, assets: Assets) -> Server {
         let store: Arc<dyn Store> = self.store.clone();
-        Hangar::new(plants(), Models::new(), store)
+        let hosts = Hosts::loopback();
+        let parts = Parts { store, plants: plants(), models: Models::new(), lessons, hosts, assets };
+        Server::start(parts).await.unwrap()
     }
 }

@@ -59,6 +59,12 @@ impl SqliteStore {
         self.pool.close().await;
     }
 
+    /// Keeps everybody else from writing until it is dropped.
+    #[cfg(test)]
+    pub(crate) async fn lock_for_writing(&self) -> Transaction<'static, Sqlite> {
+        self.pool.begin_with("BEGIN IMMEDIATE").await.expect("nobody else writes")
+    }
+
     fn wrong(&self) -> impl Fn(sqlx::Error) -> StoreError + '_ {
         |error| door::error(&self.path, error)
     }

@@ -115,7 +115,7 @@ async fn a_newer_schema_is_refused_with_both_numbers() {
 async fn a_database_that_somebody_else_writes_to_is_locked() {
     let (_folder, path) = written().await;
     let (ours, theirs) = (SqliteStore::open(&path).await.unwrap(), SqliteStore::open(&path).await.unwrap());
-    let held = theirs.pool.begin_with("BEGIN IMMEDIATE").await.unwrap();
+    let held = theirs.lock_for_writing().await;
     let error = ours.commit(&[Write::Episode { record: record(1), at_ms: 0 }]).await.unwrap_err();
     assert!(matches!(error, StoreError::Locked { .. }), "{error:?}");
     assert_eq!(ours.episodes(Page::newest(100)).await.unwrap().len(), 50);

@@ -1,0 +1,59 @@
+//! A listener and its end.
+
+use crate::app::app;
+use crate::server::Server;
+use axum::serve::ListenerExt;
+use std::future::Future;
+use std::io;
+use std::net::SocketAddr;
+use tokio::net::TcpListener;
+
+/// Why no listener could be had.
+#[derive(Debug, thiserror::Error)]
+pub enum BindError {
+    /// Somebody else listens there.
+    #[error(
+        "port {port} is in use, perhaps by another cohelm; choose another with --port, or --port 0 for any free one"
+    )]
+    InUse {
+        /// Which port.
+        port: u16,
+    },
+    /// Anything else.
+    #[error("cannot listen on {address}: {source}")]
+    Other {
+        /// Where.
+        address: SocketAddr,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+/// Listens; port 0 takes any free one.
+pub async fn bind(address: SocketAddr) -> Result<TcpListener, BindError> {
+    TcpListener::bind(address).await.map_err(|source| match source.kind() {
+        io::ErrorKind::AddrInUse => BindError::InUse { port: address.port() },
+        _ => BindError::Other { address, source },
+    })
+}
+
+/// Serves until `shutdown` is done; then closes all connections with a reason, and returns once everything that was
+/// handed in is written.
+pub async fn serve(
+    listener: TcpListener,
+    server: Server,
+    shutdown: impl Future<Output = ()> + Send + 'static,
+) -> io::Result<()> {
+    // Acknowledgements are small; waiting to fill a packet would delay each by up to 40 ms.
+    let listener = listener.tap_io(|connection| {
+        if let Err(error) = connection.set_nodelay(true) {
+            tracing::debug!(%error, "TCP_NODELAY");
+        }
+    });
+    let closing = server.clone();
+    let signal = async move {
+        shutdown.await;
+        closing.stop().await;
+    };
+    axum::serve(listener, app(server)).with_graceful_shutdown(signal).await
+}
