@@ -2,7 +2,7 @@
 """Cuts the faces down to what figures and reports write. See README.md.
 
     pip install fonttools==4.68.0 brotli==1.2.1
-    python subset.py FOLDER_OF_INTER FOLDER_OF_LITERATA
+    python subset.py FOLDER_OF_INTER FOLDER_OF_SOURCE_SERIF_4
 """
 import sys
 from pathlib import Path
@@ -24,16 +24,27 @@ def cut(source, target, features):
     subsetter = subset.Subsetter(options)
     subsetter.populate(unicodes=[*LATIN, *GREEK, *PUNCTUATION, *RAISED_AND_LOWERED, *SIGNS])
     subsetter.subset(font)
+    if "Cohelm" in target:
+        rename(font, target.split(".")[0])
     subset.save_font(font, target, options)
 
 
-inter, literata = Path(sys.argv[1]), Path(sys.argv[2])
+def rename(font, name):
+    """The licence reserves the name "Source" for unmodified fonts, and a cut-down font is modified."""
+    family, style = name.replace("CohelmSerif", "Cohelm Serif").split("-")
+    texts = {1: family, 2: style, 3: name, 4: f"{family} {style}", 6: name, 16: family, 17: style}
+    for record in font["name"].names:
+        if record.nameID in texts:
+            record.string = texts[record.nameID]
+
+
+inter, serif = Path(sys.argv[1]), Path(sys.argv[2])
 for source, name in [
     (inter / "400Regular/Inter_400Regular.ttf", "Inter-Regular"),
     (inter / "600SemiBold/Inter_600SemiBold.ttf", "Inter-SemiBold"),
-    (literata / "400Regular/Literata_400Regular.ttf", "Literata-Regular"),
-    (literata / "400Regular_Italic/Literata_400Regular_Italic.ttf", "Literata-Italic"),
-    (literata / "600SemiBold/Literata_600SemiBold.ttf", "Literata-SemiBold"),
+    (serif / "400Regular/SourceSerif4_400Regular.ttf", "CohelmSerif-Regular"),
+    (serif / "400Regular_Italic/SourceSerif4_400Regular_Italic.ttf", "CohelmSerif-Italic"),
+    (serif / "600SemiBold/SourceSerif4_600SemiBold.ttf", "CohelmSerif-SemiBold"),
 ]:
     cut(source, f"{name}.woff2", ["kern", "lnum", "tnum"])
     if name.startswith("Inter"):

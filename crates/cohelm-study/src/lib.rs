@@ -7,6 +7,8 @@ pub mod apa;
 pub mod csv;
 pub mod figures;
 pub mod measures;
+pub mod report;
 pub mod statistics;
 pub mod text;
+pub mod verdict;
 pub mod verify;

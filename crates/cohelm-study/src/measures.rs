@@ -5,7 +5,7 @@
 
 use crate::apa::{number, percent};
 use crate::csv::{Cell, Csv};
-use crate::text::Text;
+use crate::text::{Text, capitalised};
 use serde::Serialize;
 
 /// In what a measure counts.
@@ -90,19 +90,25 @@ impl Measure {
         if self.unit == Unit::Share { percent(value, self.decimals) } else { number(value, self.decimals) }
     }
 
-    /// A difference between values: of shares in percentage points, without sign of its own when positive.
+    /// A difference between values as a number, of shares in percentage points; [`Self::difference_unit`] goes behind.
+    pub fn difference(&self, difference: f64) -> String {
+        let factor = if self.unit == Unit::Share { 100.0 } else { 1.0 };
+        number(factor * difference, self.decimals)
+    }
+
+    /// What goes behind a difference, or an interval of differences: " points" for shares.
+    pub fn difference_unit(&self) -> &'static str {
+        if self.unit == Unit::Share { "\u{a0}points" } else { "" }
+    }
+
+    /// A difference with its unit.
     pub fn write_difference(&self, difference: f64) -> String {
-        if self.unit == Unit::Share {
-            format!("{} points", number(100.0 * difference, self.decimals))
-        } else {
-            number(difference, self.decimals)
-        }
+        self.difference(difference) + self.difference_unit()
     }
 
     /// The name with a capital, for the beginning of a line.
     pub fn title(&self) -> String {
-        let mut letters = self.name.chars();
-        letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+        capitalised(self.name)
     }
 }
 
@@ -114,7 +120,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
     Measure {
         key: "ending",
         name: "ending",
-        meaning: "How the episode ended; exactly one event. goal: at the pilot's own goal. elsewhere: well-behaved, \
+        meaning: "How the episode ended; exactly one event. goal: at the pilot’s own goal. elsewhere: well-behaved, \
                   but not there. crash: crashed or otherwise broken. out-of-bounds: left the space it may be in. time-limit: \
                   none of these in time (a truncation). abandoned: stopped from outside (a truncation).",
         unit: Unit::Word,
@@ -134,7 +140,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
     Measure {
         key: "reward",
         name: "reward",
-        meaning: "Sum of the plant's rewards for the pilot's own goal, undiscounted.",
+        meaning: "Sum of the plant’s rewards for the pilot’s own goal, undiscounted.",
         unit: Unit::Number,
         range: Range::Any,
         missing_when: "",
@@ -144,7 +150,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
         key: "ticks_with_command",
         name: "ticks with a command",
         meaning: "Ticks at which the pilot asked for something: a held key asks at every tick, a release asks once. The \
-                  reading of the paper's \"inputs\" that fits its numbers.",
+                  reading of the paper’s “inputs” that fits its numbers.",
         unit: Unit::Count("ticks"),
         range: Range::NotNegative,
         missing_when: "",
@@ -201,7 +207,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
     Measure {
         key: "goal_accuracy",
         name: "goal accuracy",
-        meaning: "Share of the ticks at which the goal inferred as the most likely was the pilot's own.",
+        meaning: "Share of the ticks at which the goal inferred as the most likely was the pilot’s own.",
         unit: Unit::Share,
         range: Range::Unit,
         missing_when: "",
@@ -210,7 +216,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
     Measure {
         key: "goal_right_midway",
         name: "goal right midway",
-        meaning: "Whether the inferred goal was the pilot's own at the middle tick.",
+        meaning: "Whether the inferred goal was the pilot’s own at the middle tick.",
         unit: Unit::Truth,
         range: Range::OneOf(&["true", "false"]),
         missing_when: "",
@@ -219,7 +225,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
     Measure {
         key: "goal_right_at_end",
         name: "goal right at the end",
-        meaning: "Whether the inferred goal was the pilot's own at the last tick.",
+        meaning: "Whether the inferred goal was the pilot’s own at the last tick.",
         unit: Unit::Truth,
         range: Range::OneOf(&["true", "false"]),
         missing_when: "",
@@ -250,7 +256,7 @@ pub const OF_A_PARTICIPANT: [Measure; 6] = [
     Measure {
         key: "success",
         name: "success rate",
-        meaning: "Share of the episodes that ended at the pilot's own goal.",
+        meaning: "Share of the episodes that ended at the pilot’s own goal.",
         unit: Unit::Share,
         range: Range::Unit,
         missing_when: "",
@@ -268,7 +274,7 @@ pub const OF_A_PARTICIPANT: [Measure; 6] = [
     Measure {
         key: "elsewhere",
         name: "rate of ending elsewhere",
-        meaning: "Share of the episodes that ended well-behaved, but not at the pilot's own goal.",
+        meaning: "Share of the episodes that ended well-behaved, but not at the pilot’s own goal.",
         unit: Unit::Share,
         range: Range::Unit,
         missing_when: "",
@@ -295,7 +301,7 @@ pub const OF_A_PARTICIPANT: [Measure; 6] = [
     Measure {
         key: "steps_of_successes",
         name: "steps of successful episodes",
-        meaning: "Mean number of steps over the episodes that ended at the pilot's own goal: a mode that crashes early does \
+        meaning: "Mean number of steps over the episodes that ended at the pilot’s own goal: a mode that crashes early does \
                   not look fast.",
         unit: Unit::Count("ticks"),
         range: Range::NotNegative,
@@ -373,7 +379,7 @@ mod tests {
     fn values_are_written_in_their_unit() {
         let success = measure("success").unwrap();
         assert_eq!(success.write(0.855), "85.5\u{202f}%");
-        assert_eq!(success.write_difference(-0.015), "−1.5 points");
+        assert_eq!(success.write_difference(-0.015), "−1.5\u{a0}points");
         assert_eq!(measure("steps").unwrap().write(238.25), "238.2");
         assert_eq!(measure("interventions").unwrap().title(), "Interventions");
         assert!(measure("unheard of").is_none());

@@ -26,6 +26,8 @@ pub enum Span {
         /// Where it leads: `https://…`, `http://…`, a relative path or `#anchor`; anything else is written as plain text.
         target: String,
     },
+    /// The end of a line.
+    Break,
 }
 
 /// A run of spans. Built by chaining:
@@ -70,13 +72,13 @@ impl Text {
 
     /// Adds a lowered letter.
     #[must_use]
-    pub fn sub(self, text: impl Into<String>) -> Self {
+    pub fn lowered(self, text: impl Into<String>) -> Self {
         self.with(Span::Subscript(text.into()))
     }
 
     /// Adds a raised digit.
     #[must_use]
-    pub fn sup(self, text: impl Into<String>) -> Self {
+    pub fn raised(self, text: impl Into<String>) -> Self {
         self.with(Span::Superscript(text.into()))
     }
 
@@ -84,6 +86,12 @@ impl Text {
     #[must_use]
     pub fn link(self, text: impl Into<String>, target: impl Into<String>) -> Self {
         self.with(Span::Link { text: text.into(), target: target.into() })
+    }
+
+    /// Ends the line.
+    #[must_use]
+    pub fn line_break(self) -> Self {
+        self.with(Span::Break)
     }
 
     /// Adds another text.
@@ -109,6 +117,12 @@ impl Text {
     }
 }
 
+/// A sentence's beginning: the text with its first letter as a capital.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Plain text, taken literally.
 impl From<&str> for Text {
     fn from(text: &str) -> Self {
@@ -127,6 +141,7 @@ impl fmt::Display for Text {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|span| match span {
             Span::Superscript(text) if text == "2" => f.write_str("²"),
+            Span::Break => f.write_str("\n"),
             Span::Plain(text)
             | Span::Emphasis(text)
             | Span::Strong(text)

@@ -72,7 +72,7 @@ fn assert_drawn(figure: &Figure) {
     assert_well_formed(&figure.svg());
     let png = figure.png(0.5);
     assert_eq!(&png[1..4], b"PNG");
-    assert!(figure.csv().rows().len() > 0 && !figure.description().contains("NaN"));
+    assert!(!figure.csv().rows().is_empty() && !figure.description().contains("NaN"));
 }
 
 #[test]

@@ -1,30 +1,14 @@
-//! `cargo run --release -p cohelm-study --example gallery FOLDER`
-//!
-//! Writes one of every kind of figure, from invented numbers, as SVG, PNG and CSV: to look at while changing how they
-//! are drawn.
+//! One of every kind of figure.
 
+use crate::Outcome;
+use crate::invented::{participants, rates, values, wobble};
 use cohelm_study::figures::{
     Axis, Better, BoxPlot, ByParticipant, Colour, Conditions, Curve, CurvePanel, Curves, Figure, Heading,
     PairedSlopes, Panel, ParetoPoint, ParetoScatter,
 };
 use cohelm_study::statistics::Interval;
-use std::path::Path;
 
-type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
-
-fn main() -> Outcome<()> {
-    let folder = std::env::args().nth(1).ok_or("say where to write: gallery FOLDER")?;
-    let folder = Path::new(&folder);
-    std::fs::create_dir_all(folder)?;
-    for (name, figure) in figures()? {
-        std::fs::write(folder.join(format!("{name}.svg")), figure.svg())?;
-        std::fs::write(folder.join(format!("{name}.png")), figure.png(2.0))?;
-        std::fs::write(folder.join(format!("{name}.csv")), figure.csv().to_string())?;
-    }
-    Ok(())
-}
-
-fn figures() -> Outcome<Vec<(&'static str, Figure)>> {
+pub fn figures() -> Outcome<Vec<(&'static str, Figure)>> {
     Ok(vec![
         ("fig2a", success_and_crash(&three())?),
         ("fig2a_eight_modes", success_and_crash(&eight())?),
@@ -38,11 +22,11 @@ fn figures() -> Outcome<Vec<(&'static str, Figure)>> {
     ])
 }
 
-fn three() -> Conditions {
+pub fn three() -> Conditions {
     Conditions::in_order(["HIC", "LASC", "MISC"])
 }
 
-fn eight() -> Conditions {
+pub fn eight() -> Conditions {
     Conditions::with_colours([
         ("HIC", Colour::GREY),
         ("LASC", Colour::ORANGE),
@@ -55,31 +39,7 @@ fn eight() -> Conditions {
     ])
 }
 
-fn participants() -> Vec<String> {
-    (1..=10).map(|i| format!("P{i}")).collect()
-}
-
-/// A number from −1 to 1 that looks random and is always the same.
-fn wobble(seed: usize) -> f64 {
-    let mut x = (seed as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x ^= x >> 31;
-    x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x ^= x >> 29;
-    (x % 2001) as f64 / 1000.0 - 1.0
-}
-
-/// Invented means of each participant under conditions with the given means.
-fn values(means: &[f64], spread: f64) -> Vec<Vec<Option<f64>>> {
-    let value = |c: usize, p: usize| means[c] + spread * (wobble(c * 31 + p) + 0.5 * wobble(p));
-    (0..means.len()).map(|c| (0..10).map(|p| Some(value(c, p))).collect()).collect()
-}
-
-fn rates(means: &[f64], spread: f64) -> Vec<Vec<Option<f64>>> {
-    let rate = |v: f64| (v.clamp(0.0, 1.0) * 40.0).round() / 40.0;
-    values(means, spread).into_iter().map(|row| row.into_iter().map(|v| v.map(rate)).collect()).collect()
-}
-
-fn success_and_crash(conditions: &Conditions) -> Outcome<Figure> {
+pub fn success_and_crash(conditions: &Conditions) -> Outcome<Figure> {
     let success = [0.0, 0.64, 0.85, 0.86, 0.87, 0.84, 0.95, 0.97];
     let crash = [0.92, 0.29, 0.04, 0.08, 0.05, 0.06, 0.01, 0.03];
     let pick: Vec<usize> = if conditions.len() == 3 { vec![0, 1, 4] } else { (0..8).collect() };
@@ -101,7 +61,7 @@ fn success_and_crash(conditions: &Conditions) -> Outcome<Figure> {
     .figure()?)
 }
 
-fn steps(conditions: &Conditions) -> Outcome<Figure> {
+pub fn steps(conditions: &Conditions) -> Outcome<Figure> {
     Ok(ByParticipant {
         heading: Heading::new(
             "Steps per episode",
@@ -117,7 +77,7 @@ fn steps(conditions: &Conditions) -> Outcome<Figure> {
     .figure()?)
 }
 
-fn box_plot() -> Outcome<Figure> {
+pub fn box_plot() -> Outcome<Figure> {
     Ok(BoxPlot {
         heading: Heading::new(
             "Commands that the co-pilot replaced",
@@ -132,7 +92,7 @@ fn box_plot() -> Outcome<Figure> {
     .figure()?)
 }
 
-fn slopes() -> Outcome<Figure> {
+pub fn slopes() -> Outcome<Figure> {
     let a = rates(&[0.85, 0.86], 0.05);
     let pairs = (0..10).filter_map(|i| Some((a[0][i]?, a[1][i]?))).collect();
     Ok(PairedSlopes {
@@ -192,7 +152,7 @@ fn curves(panels: usize) -> Outcome<Figure> {
     .figure()?)
 }
 
-fn pareto() -> Outcome<Figure> {
+pub fn pareto() -> Outcome<Figure> {
     let conditions = eight();
     let at = [
         (0.0, 0.0),
