@@ -95,7 +95,7 @@ impl Adam {
         self.steps += 1;
         let AdamOptions { beta1, beta2, epsilon, .. } = self.options;
         let step_size = (f64::from(learning_rate) / self.correction(beta1)) as f32;
-        let root = self.correction(beta2).sqrt() as f32;
+        let scale_root = (1.0 / self.correction(beta2).sqrt()) as f32;
         let (mean, mean_square) = (&mut self.mean[..], &mut self.mean_square[..]);
         vectorised(|| {
             let moments = mean.iter_mut().zip(mean_square);
@@ -103,7 +103,7 @@ impl Adam {
                 let g = g * scale;
                 *m += (g - *m) * (1.0 - beta1);
                 *v = *v * beta2 + g * g * (1.0 - beta2);
-                *p -= step_size * *m / (v.sqrt() / root + epsilon);
+                *p -= step_size * *m / (v.sqrt() * scale_root + epsilon);
             }
         });
     }

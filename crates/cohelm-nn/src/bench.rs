@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use crate::adam::{Adam, AdamOptions, follow};
-use crate::gemm::{Left, kernel_name, multiply};
+use crate::gemm::{Around, Left, kernel_name, multiply};
 use crate::goal_head;
 use crate::loss::huber;
 use crate::lstm::{Lstm, LstmBatch, LstmShape, LstmState};
@@ -98,7 +98,7 @@ pub fn product([rows, inner, n]: [usize; 3], runs: usize) -> Timing {
     let (a, b) = (vec![0.5; rows * inner], vec![0.25; inner * n]);
     let mut c = vec![0.0; rows * n];
     let mut multiply = || {
-        multiply(Left::new(&a, rows, inner), black_box(&b), n, false, &mut c);
+        multiply(Left::new(&a, rows, inner), black_box(&b), n, Around::default(), &mut c);
         black_box(&mut c);
     };
     time("matrix product", runs, None, &mut multiply)

@@ -1,4 +1,5 @@
-//! Matrix products for training: c = a·b or c += a·b, of the small sizes that these networks have.
+//! Matrix products for training, c = a·b with a bias before and ReLU after it, of the small sizes that these
+//! networks have.
 //!
 //! Matrices of a few dozen rows and columns fit the first cache level, so nothing is packed or copied: a tile
 //! of c stays in vector registers while one pass over the inner dimension reads rows of b and single numbers
@@ -42,12 +43,21 @@ impl<'a> Left<'a> {
     }
 }
 
-/// c = a·b, or c += a·b if `add`; `b` is inner × n and `c` rows × n, both row-major without gaps.
+/// What surrounds a product, done while its tiles are in registers.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Around<'a> {
+    /// Row that every sum starts with; zeros without.
+    pub bias: Option<&'a [f32]>,
+    /// Whether negative results become 0.
+    pub relu: bool,
+}
+
+/// c = a·b with what `around` says; `b` is inner × n and `c` rows × n, both row-major without gaps.
 ///
 /// # Panics
 /// If a slice is too short for that.
-pub(crate) fn multiply(a: Left, b: &[f32], n: usize, add: bool, c: &mut [f32]) {
-    arch().dispatch(Multiply { product: Product { a, b: &b[..a.inner * n], n }, add, c });
+pub(crate) fn multiply(a: Left, b: &[f32], n: usize, around: Around, c: &mut [f32]) {
+    arch().dispatch(Multiply { product: Product { a, b: &b[..a.inner * n], n }, around, c });
 }
 
 /// Runs element-wise work with the widest instructions of this CPU. Its bits do not depend on them.
@@ -92,7 +102,7 @@ fn checksum() -> u32 {
         let a: Vec<f32> = (0..rows * inner).map(|i| ((i * 37 % 101) as f32 - 50.0) / 37.0).collect();
         let b: Vec<f32> = (0..inner * n).map(|i| ((i * 53 % 97) as f32 - 48.0) / 41.0).collect();
         let mut c = vec![0.0; rows * n];
-        multiply(Left::new(&a, rows, inner), &b, n, false, &mut c);
+        multiply(Left::new(&a, rows, inner), &b, n, Around::default(), &mut c);
         hash.write(&c);
     }
     (hash.finish() ^ (hash.finish() >> 32)) as u32
@@ -108,7 +118,7 @@ struct Product<'a> {
 
 struct Multiply<'a> {
     product: Product<'a>,
-    add: bool,
+    around: Around<'a>,
     c: &'a mut [f32],
 }
 
@@ -117,30 +127,31 @@ impl WithSimd for Multiply<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { product, add, c } = self;
+        let Self { product, around, c } = self;
         let inner = product.a.inner;
-        if inner == 0 && !add {
-            c[..product.a.rows * product.n].fill(0.0);
-        }
         let mut first = 0;
-        while first < inner {
-            let pass = Pass { simd, product, add: add || first > 0, inner: first..inner.min(first + PASS) };
+        loop {
+            let last = inner.min(first + PASS);
+            let pass = Pass { simd, product, around, inner: first..last };
             // 24 sums of 16 lanes fill the 32 registers of AVX-512, 12 the 16 registers of the others.
             if S::F32_LANES == 16 {
                 pass.columns::<6, 4>(c)
             } else {
                 pass.columns::<6, 2>(c)
             }
-            first += PASS;
+            first = last;
+            if first == inner {
+                return;
+            }
         }
     }
 }
 
-/// One pass over a part of the inner dimension.
+/// One pass over a part of the inner dimension; passes before it left their sums in c.
 struct Pass<'a, S> {
     simd: S,
     product: Product<'a>,
-    add: bool,
+    around: Around<'a>,
     inner: Range<usize>,
 }
 
@@ -190,10 +201,12 @@ impl<S: Simd> Pass<'_, S> {
     fn tile<const R: usize, const V: usize, const PART: bool>(&self, i: usize, j: usize, c: &mut [f32]) {
         let Product { a, b, n } = self.product;
         let mut sums = [[self.simd.splat_f32s(0.0); V]; R];
-        if self.add {
+        if self.inner.start > 0 {
             for (r, sums) in sums.iter_mut().enumerate() {
                 *sums = self.load::<V, PART>(&c[(i + r) * n..][..n], j);
             }
+        } else if let Some(bias) = self.around.bias {
+            sums = [self.load::<V, PART>(bias, j); R];
         }
         let rows_of_b = b[self.inner.start * n..self.inner.end * n].chunks_exact(n);
         if a.transposed {
@@ -209,7 +222,11 @@ impl<S: Simd> Pass<'_, S> {
                 self.add_products::<R, V, PART>(&mut sums, b, j, |r| rows[r][k]);
             }
         }
+        // Without a branch around the tile, which would cost it its registers. NaN comes through.
+        let least = if self.around.relu && self.inner.end == a.inner { 0.0 } else { f32::NEG_INFINITY };
+        let least = self.simd.splat_f32s(least);
         for (r, sums) in sums.into_iter().enumerate() {
+            let sums = sums.map(|sum| self.simd.max_f32s(least, sum));
             self.store::<V, PART>(&mut c[(i + r) * n..][..n], j, sums);
         }
     }
@@ -252,14 +269,42 @@ impl<S: Simd> Pass<'_, S> {
 }
 
 /// Writes the transpose of `matrix`, `rows` × `cols`, row-major.
+///
+/// In square blocks: a whole row would be scattered over as many cache lines as it has numbers, which at widths
+/// of a power of two all fall on the same few places of the cache.
 pub(crate) fn transpose(matrix: &[f32], rows: usize, cols: usize, transposed: &mut [f32]) {
-    const BLOCK: usize = 16;
-    for first in (0..rows).step_by(BLOCK) {
-        for (row, numbers) in matrix.chunks_exact(cols).enumerate().skip(first).take(BLOCK) {
-            for (to, &x) in transposed[row..].iter_mut().step_by(rows).zip(numbers) {
-                *to = x;
+    vectorised(|| {
+        for top in (0..rows).step_by(BLOCK) {
+            for left in (0..cols).step_by(BLOCK) {
+                transpose_block(matrix, (rows, cols), (top, left), transposed);
             }
         }
+    });
+}
+
+const BLOCK: usize = 8;
+
+#[inline(always)]
+fn transpose_block(
+    matrix: &[f32],
+    (rows, cols): (usize, usize),
+    (top, left): (usize, usize),
+    transposed: &mut [f32],
+) {
+    if top + BLOCK > rows || left + BLOCK > cols {
+        for row in top..rows.min(top + BLOCK) {
+            (left..cols.min(left + BLOCK))
+                .for_each(|col| transposed[col * rows + row] = matrix[row * cols + col]);
+        }
+        return;
+    }
+    let mut block = [[0.0; BLOCK]; BLOCK];
+    for (i, row) in block.iter_mut().enumerate() {
+        row.copy_from_slice(&matrix[(top + i) * cols + left..][..BLOCK]);
+    }
+    for j in 0..BLOCK {
+        let column = block.map(|row| row[j]);
+        transposed[(left + j) * rows + top..][..BLOCK].copy_from_slice(&column);
     }
 }
 
@@ -282,15 +327,9 @@ mod tests {
     }
 
     /// A product on one instruction set.
-    fn product_on(
-        dispatch: impl FnOnce(Multiply),
-        a: Left,
-        (b, n): (&[f32], usize),
-        add: bool,
-        c: &[f32],
-    ) -> Vec<f32> {
-        let mut c = c.to_vec();
-        dispatch(Multiply { product: Product { a, b, n }, add, c: &mut c });
+    fn product_on(dispatch: impl FnOnce(Multiply), product: Product, around: Around) -> Vec<f32> {
+        let mut c = vec![f32::NAN; product.a.rows * product.n];
+        dispatch(Multiply { product, around, c: &mut c });
         c
     }
 
@@ -303,36 +342,42 @@ mod tests {
             inner in 0usize..300,
             n in 1usize..70,
             transposed: bool,
-            add: bool,
+            with_bias: bool,
+            relu: bool,
         ) {
-            let (data, b, start) = (numbers(1, rows * inner), numbers(2, inner * n), numbers(3, rows * n));
+            let (data, b, bias) = (numbers(1, rows * inner), numbers(2, inner * n), numbers(3, n));
             let a = if transposed {
                 Left::new(&data, inner, rows).transposed()
             } else {
                 Left::new(&data, rows, inner)
             };
             let at = |i: usize, k: usize| if transposed { data[k * rows + i] } else { data[i * inner + k] };
-            let mut expected = if add { start.clone() } else { vec![0.0; rows * n] };
+            let mut expected = if with_bias { bias.repeat(rows) } else { vec![0.0; rows * n] };
             by_definition(at, inner, &b, n, &mut expected);
+            if relu {
+                expected.iter_mut().for_each(|x| *x = x.max(0.0));
+            }
+            let product = Product { a, b: &b, n };
+            let around = Around { bias: with_bias.then_some(&bias), relu };
 
-            let plain = product_on(|m| m.with_simd(pulp::Scalar::new()), a, (&b, n), add, &start);
+            let plain = product_on(|m| m.with_simd(pulp::Scalar::new()), product, around);
             for (p, e) in plain.iter().zip(&expected) {
                 prop_assert!((p - e).abs() < 1e-3, "{} {}", p, e);
             }
             #[cfg(target_arch = "x86_64")]
             {
                 if let Some(v3) = pulp::x86::V3::try_new() {
-                    let found = product_on(|m| Simd::vectorize(v3, m), a, (&b, n), add, &start);
+                    let found = product_on(|m| Simd::vectorize(v3, m), product, around);
                     prop_assert_eq!(&found, &expected);
                 }
                 if let Some(v4) = pulp::x86::V4::try_new() {
-                    let found = product_on(|m| Simd::vectorize(v4, m), a, (&b, n), add, &start);
+                    let found = product_on(|m| Simd::vectorize(v4, m), product, around);
                     prop_assert_eq!(&found, &expected);
                 }
             }
             #[cfg(target_arch = "aarch64")]
             if let Some(neon) = pulp::aarch64::Neon::try_new() {
-                let found = product_on(|m| Simd::vectorize(neon, m), a, (&b, n), add, &start);
+                let found = product_on(|m| Simd::vectorize(neon, m), product, around);
                 prop_assert_eq!(&found, &expected);
             }
         }

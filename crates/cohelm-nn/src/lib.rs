@@ -52,7 +52,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#![cfg_attr(not(feature = "train"), forbid(unsafe_code))]
+#![forbid(unsafe_code)]
 
 mod dense;
 pub mod fingerprint;

@@ -196,7 +196,7 @@ impl LstmBatch {
         let head = self.shape.head();
         let rows = self.packing.rows();
         let outputs = &mut self.outputs[..rows * head.outputs];
-        dense_batch::forward(&head, &net.params, &self.hidden[..rows * head.inputs], outputs);
+        dense_batch::forward(&head, &net.params, false, &self.hidden[..rows * head.inputs], outputs);
         self.d_outputs[..rows * head.outputs].fill(0.0);
     }
 
@@ -220,7 +220,7 @@ impl LstmBatch {
         let rows = self.packing.tick(t);
         let of = |width: usize| rows.start * width..rows.end * width;
         let gates = &mut self.gates[of(4 * n)];
-        dense_batch::forward(&layer, &net.params, &self.inputs[of(layer.inputs)], gates);
+        dense_batch::forward(&layer, &net.params, false, &self.inputs[of(layer.inputs)], gates);
         let (before, cells) = self.cells.split_at_mut(rows.start * n);
         vectorised(ForwardCells {
             hidden_width: n,

@@ -1,6 +1,6 @@
 //! Training's forward and backward pass of an [`Mlp`] over a batch, on the GEMM library.
 
-use super::{Head, Mlp, MlpShape, combine, relu};
+use super::{Head, Mlp, MlpShape, combine};
 use crate::dense::Layer;
 use crate::dense_batch;
 use crate::gemm::{transpose, vectorised};
@@ -59,10 +59,7 @@ impl MlpBatch {
             let (before, from_here) = self.activations.split_at_mut(i);
             let input = before.last().map_or(x, Vec::as_slice);
             let y = &mut from_here[0][..rows * layer.outputs];
-            dense_batch::forward(layer, net.params(), input, y);
-            if i < hidden {
-                vectorised(|| relu(y));
-            }
+            dense_batch::forward(layer, net.params(), i < hidden, &input[..rows * layer.inputs], y);
         }
         self.combine_rows();
         self.outputs()
