@@ -108,8 +108,7 @@ impl Tally {
     /// The measures of the finished episode. `key_presses` and the plant's tick rate come from outside the ticks.
     pub fn finish(&self, key_presses: u32, ticks_per_second: f64) -> EpisodeMeasures {
         let steps = self.goals_right.len();
-        let of_asked =
-            |count: u32| if self.asked == 0 { 0.0 } else { f64::from(count) / f64::from(self.asked) };
+        let of_asked = |count: u32| (self.asked > 0).then(|| f64::from(count) / f64::from(self.asked));
         let of_steps = |sum: f64| if steps == 0 { 0.0 } else { sum / steps as f64 };
         EpisodeMeasures {
             ending: self.ending.unwrap_or(Ending::Abandoned),

@@ -1,6 +1,7 @@
 //! Whole episodes: flown by keys as the page flies them and the server follows them, flown by a simulated pilot, and
 //! flown again from their record.
 
+use crate::action::Action;
 use crate::cockpit::{Cockpit, Tick};
 use crate::keys::{Change, KeyEvent, Keyboard};
 use crate::pilot::{Pilot, Recorded};
@@ -123,8 +124,13 @@ impl Replay {
 }
 
 /// Flies a recorded episode again and compares: the plant from what was carried out, the decisions from what was asked
-/// (if there is a cockpit to make them), the requests from the keys (if a person pressed any).
+/// (if there is a cockpit to make them), the requests from the keys (if a person pressed any). A record with actions that
+/// the plant does not have is not flown: it cannot be one of its episodes.
 pub fn replay(trajectory: &Trajectory, plant: &mut dyn Plant, cockpit: Option<&mut Cockpit>) -> Replay {
+    let of_the_plant = |action: &Option<Action>| action.is_none_or(|action| plant.space().contains(action));
+    if !trajectory.asked.iter().chain(&trajectory.executed).all(of_the_plant) {
+        return Replay { plant_identical: false, decisions_identical: None, requests_identical: None };
+    }
     plant.reset(trajectory.setup.seed);
     let (digest, ending) = plant_digest(plant, &trajectory.executed);
     let ended_alike = ending.unwrap_or(Ending::Abandoned) == trajectory.ending;

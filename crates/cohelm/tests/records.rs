@@ -1,5 +1,6 @@
 //! A flight by keys becomes a record; the record becomes bytes, comes back, and replays bit for bit.
 
+use cohelm::action::Action;
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::{Cockpit, Silence};
 use cohelm::flight::{Flight, fly, replay};
@@ -91,6 +92,8 @@ fn a_replay_notices_one_changed_action_key_or_request() {
     assert_eq!(changed(|t| t.asked[3] = None).decisions_identical, Some(false));
     assert_eq!(changed(|t| t.keys[0].tick = 2).requests_identical, Some(false));
     assert!(!changed(|t| t.ending = Ending::Crash).plant_identical);
+    assert!(!changed(|t| t.executed[3] = Some(Action::Command(200))).plant_identical);
+    assert!(!changed(|t| t.asked[3] = Some(Action::axes(&[1e9]))).plant_identical);
 }
 
 #[test]
