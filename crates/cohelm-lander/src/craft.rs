@@ -272,6 +272,13 @@ impl Craft {
     }
 }
 
+#[cfg(test)]
+impl Craft {
+    pub(crate) fn world(&self) -> &World {
+        &self.world
+    }
+}
+
 impl Motion {
     fn of(body: &Body) -> Motion {
         Motion {

@@ -1,9 +1,9 @@
 //! Gymnasium's LunarLander-v3 (1.4.0), bit for bit: the same seed and actions give the same observations and rewards.
 //!
 //! ```
-//! use cohelm_lander::gymnasium::{Action, GymnasiumLander, GymnasiumOptions};
+//! use cohelm_lander::gymnasium::{Action, GymnasiumLander};
 //!
-//! let mut lander = GymnasiumLander::new(GymnasiumOptions::default())?;
+//! let mut lander = GymnasiumLander::usual();
 //! let mut observation = lander.reset(42);
 //! let ending = loop {
 //!     let falls = observation[3] < -0.2;
@@ -14,7 +14,6 @@
 //!     }
 //! };
 //! println!("{} after {} ticks", ending.word(), lander.ticks());
-//! # Ok::<(), cohelm_lander::gymnasium::OptionError>(())
 //! ```
 
 use cohelm::plant::Ending;
@@ -155,6 +154,16 @@ impl GymnasiumLander {
                 return Err(OptionError::NotFinite { name, value });
             }
         }
+        Ok(GymnasiumLander::begun(options))
+    }
+
+    /// `LunarLander-v3` as registered, with the episode of seed 0 begun.
+    pub fn usual() -> GymnasiumLander {
+        GymnasiumLander::begun(GymnasiumOptions::default())
+    }
+
+    /// With options that were checked.
+    fn begun(options: GymnasiumOptions) -> GymnasiumLander {
         let heights = [0.0; 11];
         let mut lander = GymnasiumLander {
             options,
@@ -166,7 +175,7 @@ impl GymnasiumLander {
             ticks: 0,
         };
         lander.restart();
-        Ok(lander)
+        lander
     }
 
     /// `reset(seed=seed)`: begins the episode that this seed fixes.

@@ -3,6 +3,7 @@
 //! Knows no co-pilot, no network and no clock; the flag task draws only random numbers from seeds it was given.
 #![forbid(unsafe_code)]
 
+pub mod bench;
 pub mod craft;
 pub mod flags;
 pub mod gymnasium;

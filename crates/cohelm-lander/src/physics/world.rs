@@ -93,10 +93,8 @@ impl World {
         if !self.bodies.iter().any(|body| body.box_moved) {
             return;
         }
-        let ground = self.ground.clone();
-        for (edge, part) in ground.edges().iter().enumerate() {
-            for index in 0..BODIES {
-                let body = &mut self.bodies[index];
+        for (edge, part) in self.ground.edges().iter().enumerate() {
+            for (index, body) in self.bodies.iter_mut().enumerate() {
                 let overlap = body.box_moved && body.wide_box.overlaps(part.aabb);
                 let known = |contact: &Contact| contact.edge == edge && contact.body == index;
                 if overlap && !self.contacts.iter().any(known) {
@@ -153,13 +151,12 @@ impl World {
 
     /// The order in which Box2D walks from body to body along the hinges, beginning with the newest that is awake.
     /// Contacts are solved in this order. `None` when everything sleeps.
+    ///
+    /// All bodies fall asleep together, and only the hull is woken by itself: by an engine or the wind.
     fn walk(&self) -> Option<[usize; BODIES]> {
-        let awake = |body: usize| self.bodies[body].awake;
-        if awake(LEGS[1]) {
+        if self.bodies[LEGS[1]].awake {
             Some([LEGS[1], HULL, LEGS[0]])
-        } else if awake(LEGS[0]) {
-            Some([LEGS[0], HULL, LEGS[1]])
-        } else if awake(HULL) {
+        } else if self.bodies[HULL].awake {
             Some([HULL, LEGS[0], LEGS[1]])
         } else {
             None
@@ -224,6 +221,12 @@ impl World {
         ContactRow::new(index, contact, &self.ground.edges()[contact.edge], &parts()[contact.body])
     }
 
+    fn hinge_equations(&mut self, positions: &[Position; BODIES], step_s: f32, step_ratio: f32) -> Hinges<1> {
+        let rows = self.hinges.each_mut().map(|hinge| hinge.row(positions, step_s));
+        let sums = self.hinges.each_ref().map(|hinge| hinge.sums(step_ratio));
+        Hinges { rows, sums }
+    }
+
     fn solve_velocities(
         &mut self,
         twists: &mut Twists<1>,
@@ -237,9 +240,7 @@ impl World {
         for row in contacts.iter() {
             change(&mut twists[row.body], |velocity| row.warm_start(velocity));
         }
-        let rows = self.hinges.each_mut().map(|hinge| hinge.row(positions, step_s));
-        let sums = self.hinges.each_ref().map(|hinge| hinge.sums(step_ratio));
-        let mut hinges = Hinges { rows, sums };
+        let mut hinges = self.hinge_equations(positions, step_s, step_ratio);
         hinges.warm_start(twists);
         if contacts.is_empty() {
             hinges.relax(twists, self.settings.velocity_iterations);
@@ -294,6 +295,19 @@ fn change(twist: &mut Twist<1>, change: impl FnOnce(&mut Velocity)) {
     let mut velocity = Velocity::of(twist);
     change(&mut velocity);
     *twist = velocity.twist();
+}
+
+/// What the iterations over velocities begin with, for the tests of those iterations.
+#[cfg(test)]
+impl World {
+    pub fn velocity_problem(&self, step_s: f32) -> (Hinges<1>, Twists<1>) {
+        let mut world = self.clone();
+        let positions = world.bodies.each_ref().map(Position::of);
+        let mut twists = world.accelerated(step_s);
+        let hinges = world.hinge_equations(&positions, step_s, 1.0);
+        hinges.warm_start(&mut twists);
+        (hinges, twists)
+    }
 }
 
 impl Position {

@@ -2,8 +2,8 @@
 //
 //     cc -O0 record_sincosf.c -lm -o record && ./record > sincosf.bin
 //
-// Rows of three little-endian 32-bit words: bits of x, of sinf(x), of cosf(x). First every 262,129th pattern, then
-// 20,000 angles spread over +-130 rad, where the lander's angles are. Recorded with glibc 2.36 on x86-64 (Debian 12).
+// Rows of three little-endian 32-bit words: bits of x, of sinf(x), of cosf(x). First every 1,048,573rd pattern, then
+// 6,000 angles spread over +-130 rad, where the lander's angles are. Recorded with glibc 2.36 on x86-64 (Debian 12).
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdint.h>
@@ -17,11 +17,11 @@ static void row(float x) {
 }
 
 int main(void) {
-    for (uint64_t pattern = 0; pattern < 0x100000000ull; pattern += 262129) {
+    for (uint64_t pattern = 0; pattern < 0x100000000ull; pattern += 1048573) {
         uint32_t bits = (uint32_t)pattern;
         float x;
         memcpy(&x, &bits, sizeof x);
         if (isfinite(x)) row(x);
     }
-    for (int i = -10000; i < 10000; i++) row((float)i * 0.0130007f);
+    for (int i = -3000; i < 3000; i++) row((float)i * 0.0433341f);
 }
