@@ -229,9 +229,12 @@ impl TensorFile {
             ));
             offset = end;
         }
-        let header = format!("{{{}}}", entries.join(","));
+        let mut header = format!("{{{}}}", entries.join(","));
         // Spaces make the data begin at a multiple of eight bytes, as the format asks.
-        format!("{header:<width$}", width = header.chars().count() + (8 - header.len() % 8) % 8)
+        while header.len() % 8 != 0 {
+            header.push(' ');
+        }
+        header
     }
 
     /// Reads a file's bytes.
