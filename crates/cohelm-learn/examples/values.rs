@@ -49,6 +49,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         test.landed,
         test
     );
+    if let Ok(out) = std::env::var("OUT") {
+        std::fs::write(format!("{out}.values.safetensors"), trained.model.bytes())?;
+    }
     let Ok(intent) = std::env::var("INTENT") else { return Ok(()) };
     let options: IntentOptions = serde_json::from_str(&intent)?;
     let begun = Instant::now();
@@ -64,6 +67,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
         ControlFlow::Continue(())
     })?;
+    if let Ok(out) = std::env::var("OUT") {
+        std::fs::write(format!("{out}.intent.safetensors"), intent.model.bytes())?;
+    }
     println!("{:#?} {} bytes", intent.profile, intent.model.bytes().len());
     for closed in &intent.closed_loop {
         println!("{closed:?}");

@@ -1,202 +1,176 @@
-//! The network that learns: one update of double DQN after another.
+//! The network that learns: double DQN, block after block of updates.
+//!
+//! An update has two halves of about the same cost: what the values should be ([`Wanting`]), and the step towards it
+//! (here). They run on two threads, the first half a block of updates ahead of the second; so it sees weights that are
+//! up to two blocks old, and does so for any number of threads.
 
 use crate::job::LearnError;
 use crate::memory::Memory;
+use crate::mirrored::MirroredInput;
 use crate::options::{Target, ValueOptions};
+use crate::parallel;
 use crate::progress::Profile;
-use cohelm::plant::Mirror;
+use crate::wanting::{Block, Wanting};
 use cohelm::random::Draws;
-use cohelm_copilot::outputs::Outputs;
 use cohelm_nn::adam::{Adam, AdamOptions, follow};
 use cohelm_nn::loss::huber;
 use cohelm_nn::mlp::{Mlp, MlpBatch};
-use std::time::Instant;
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
 
-/// Online and target network, optimiser, and the room that an update takes.
-pub(crate) struct Learner {
+/// All weights of a training.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Weights {
+    /// The network that learns.
     pub online: Mlp,
+    /// The one that says what comes after.
     pub target: Mlp,
+    /// The one that is kept: see [`ValueOptions::average`].
+    pub average: Mlp,
     pub adam: Adam,
-    mirror: Option<MirroredInput>,
-    inputs: usize,
-    /// First the batch's states, then its next states: `[2 batch][inputs]`.
-    batch: Vec<f32>,
-    rows: Vec<Row>,
+}
+
+impl Weights {
+    /// The weights before the first update.
+    pub fn begin(online: Mlp) -> Self {
+        let adam = Adam::new(online.params().len(), AdamOptions::default());
+        Self { target: online.clone(), average: online.clone(), online, adam }
+    }
+}
+
+/// What there is to learn.
+#[derive(Clone, Copy)]
+pub(crate) struct Lesson<'a> {
+    pub memory: &'a Memory,
+    pub mirror: Option<&'a MirroredInput>,
+    pub options: &'a ValueOptions,
+    pub updates: u64,
+    pub rate: f32,
+    pub threads: NonZeroUsize,
+}
+
+/// Weights, and the room that updates take.
+pub(crate) struct Learner {
+    pub weights: Weights,
+    wanting: Wanting,
+    blocks: [Block; 2],
     by_online: MlpBatch,
-    by_target: MlpBatch,
     d_outputs: Vec<f32>,
     gradient: Vec<f32>,
 }
 
-/// What a row of the batch holds beside its two states.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    rewards: f32,
-    discount: f32,
-    output: usize,
-}
-
 impl Learner {
-    pub fn new(
-        online: Mlp,
-        target: Mlp,
-        adam: Adam,
-        mirror: Option<MirroredInput>,
-        options: &ValueOptions,
-    ) -> Self {
-        let shape = online.shape().clone();
-        let inputs = shape.input();
+    pub fn new(weights: Weights, options: &ValueOptions) -> Self {
+        let shape = weights.online.shape();
         Self {
-            mirror,
-            inputs,
-            batch: vec![0.0; 2 * options.batch * inputs],
-            rows: Vec::with_capacity(options.batch),
-            by_online: MlpBatch::new(&shape, 2 * options.batch),
-            by_target: MlpBatch::new(&shape, 2 * options.batch),
+            wanting: Wanting::new(shape, options.batch),
+            blocks: Default::default(),
+            by_online: MlpBatch::new(shape, options.batch),
             d_outputs: vec![0.0; options.batch * shape.outputs()],
-            gradient: vec![0.0; online.params().len()],
-            online,
-            target,
-            adam,
+            gradient: vec![0.0; shape.parameters()],
+            weights,
         }
     }
 
-    /// A learner at its beginning.
-    pub fn begin(online: Mlp, mirror: Option<MirroredInput>, options: &ValueOptions) -> Self {
-        let adam = Adam::new(online.params().len(), AdamOptions::default());
-        Self::new(online.clone(), online, adam, mirror, options)
-    }
-
-    /// Does that many updates on batches drawn from the memory; returns the mean loss of the last one.
+    /// Does the updates of a lesson on batches drawn from its memory; returns the mean loss of the last batch.
     pub fn learn(
         &mut self,
-        memory: &Memory,
-        (updates, rate): (u64, f32),
-        options: &ValueOptions,
+        lesson: &Lesson<'_>,
         draws: &mut Draws,
         profile: &mut Profile,
     ) -> Result<f32, LearnError> {
-        let mut loss = 0.0;
-        for _ in 0..updates {
-            let begun = Instant::now();
-            self.sample(memory, options.batch, draws);
-            let sampled = Instant::now();
-            loss = self.differentiate(options);
-            let differentiated = Instant::now();
-            self.adam.step(self.online.params_mut(), &self.gradient, rate);
-            if let Target::Follow(rate) = options.target {
-                follow(self.target.params_mut(), self.online.params(), rate);
-            }
-            profile.sample += sampled - begun;
-            profile.gradients += differentiated - sampled;
-            profile.optimise += differentiated.elapsed();
-        }
-        if !loss.is_finite() {
-            return Err(LearnError::Diverged { updates: self.adam.steps() });
-        }
-        Ok(loss)
-    }
-
-    /// The target network becomes the online one.
-    pub fn copy_target(&mut self) {
-        self.target.params_mut().copy_from_slice(self.online.params());
-    }
-
-    /// Draws a batch, mirroring every second transition if there is a mirror.
-    fn sample(&mut self, memory: &Memory, batch: usize, draws: &mut Draws) {
-        let inputs = self.inputs;
-        let (seen, seen_next) = self.batch.split_at_mut(batch * inputs);
-        self.rows.clear();
-        for (seen, seen_next) in seen.chunks_exact_mut(inputs).zip(seen_next.chunks_exact_mut(inputs)) {
-            let bits = draws.bits();
-            let index = ((u128::from(bits) * memory.len() as u128) >> 64) as usize;
-            let transition = memory.get(index);
-            let mut row =
-                Row { rewards: transition.rewards, discount: transition.discount, output: transition.output };
-            // The lowest bit hardly decides the index, so that it may decide this.
-            match &self.mirror {
-                Some(mirror) if bits & 1 == 1 => {
-                    mirror.apply(transition.seen, seen);
-                    mirror.apply(transition.seen_next, seen_next);
-                    row.output = mirror.outputs[row.output];
-                }
-                _ => {
-                    seen.copy_from_slice(transition.seen);
-                    seen_next.copy_from_slice(transition.seen_next);
-                }
-            }
-            self.rows.push(row);
-        }
-    }
-
-    /// The gradient of the mean loss over the batch; returns that loss.
-    fn differentiate(&mut self, options: &ValueOptions) -> f32 {
-        let n = self.online.shape().outputs();
-        let batch = self.rows.len();
-        let (states, next_states) = self.batch.split_at(batch * self.inputs);
-        // Networks that nobody asks about these rows need not see them.
-        let (now, next) = if options.advantage > 0.0 {
-            self.by_target.forward(&self.target, &self.batch).split_at(batch * n)
-        } else {
-            (&[][..], self.by_target.forward(&self.target, next_states))
+        let loss = match lesson.options.ahead {
+            0 => self.one_by_one(lesson, draws, profile),
+            ahead => self.in_blocks(lesson, ahead, draws, profile),
         };
-        let online = self.by_online.forward(&self.online, if options.double { &self.batch } else { states });
-        self.d_outputs.fill(0.0);
-        let weight = 1.0 / batch as f32;
-        let mut loss = 0.0;
-        for (i, row) in self.rows.iter().enumerate() {
-            let of = |values: &[f32]| [i * n, (i + 1) * n].map(|at| at.min(values.len()));
-            let [from, to] = of(next);
-            let chooser = if options.double { &online[(batch + i) * n..][..n] } else { &next[from..to] };
-            let mut wanted = row.rewards + row.discount * next[from + best(chooser)];
-            if options.advantage > 0.0 {
-                let now = &now[from..to];
-                wanted -= options.advantage * (now[best(now)] - now[row.output]);
-            }
-            let error = online[i * n + row.output] - wanted;
-            let (row_loss, slope) =
-                if options.huber > 0.0 { huber(error, options.huber) } else { (error * error, 2.0 * error) };
-            loss += weight * row_loss;
-            self.d_outputs[i * n + row.output] = weight * slope;
+        if loss.is_finite() {
+            Ok(loss)
+        } else {
+            Err(LearnError::Diverged { updates: self.weights.adam.steps() })
         }
-        self.by_online.backward(&self.online, states, &self.d_outputs, &mut self.gradient);
+    }
+
+    fn one_by_one(&mut self, lesson: &Lesson<'_>, draws: &mut Draws, profile: &mut Profile) -> f32 {
+        let mut block = std::mem::take(&mut self.blocks[0]);
+        let mut loss = 0.0;
+        for _ in 0..lesson.updates {
+            let Weights { online, target, .. } = &self.weights;
+            profile.prepare +=
+                timed(|| self.wanting.prepare(1, lesson, (online, target), draws, &mut block)).1;
+            let (trained, took) = timed(|| self.train(lesson, &block));
+            (loss, profile.train) = (trained, profile.train + took);
+        }
+        self.blocks[0] = block;
+        loss
+    }
+
+    fn in_blocks(
+        &mut self,
+        lesson: &Lesson<'_>,
+        ahead: u64,
+        draws: &mut Draws,
+        profile: &mut Profile,
+    ) -> f32 {
+        let [mut now, mut next] = std::mem::take(&mut self.blocks);
+        let mut wanting = std::mem::take(&mut self.wanting);
+        let size = |done: u64| ahead.min(lesson.updates.saturating_sub(done));
+        let Weights { online, target, .. } = &self.weights;
+        profile.prepare += timed(|| wanting.prepare(size(0), lesson, (online, target), draws, &mut now)).1;
+        let (mut loss, mut done) = (0.0, 0);
+        while done < lesson.updates {
+            done += size(done);
+            let (online, target) = (self.weights.online.clone(), self.weights.target.clone());
+            let (prepared, (trained, took)) = parallel::both(
+                lesson.threads,
+                |_| timed(|| wanting.prepare(size(done), lesson, (&online, &target), draws, &mut next)).1,
+                || timed(|| self.train(lesson, &now)),
+            );
+            (loss, profile.train) = (trained, profile.train + took);
+            profile.prepare += prepared;
+            std::mem::swap(&mut now, &mut next);
+        }
+        (self.blocks, self.wanting) = ([now, next], wanting);
+        loss
+    }
+
+    /// One step for each batch of a block; returns the mean loss of the last.
+    fn train(&mut self, lesson: &Lesson<'_>, block: &Block) -> f32 {
+        let options = lesson.options;
+        let mut loss = 0.0;
+        for (states, wanted) in block.batches(options.batch) {
+            loss = self.differentiate(states, wanted, options.huber);
+            let Weights { online, target, average, adam } = &mut self.weights;
+            adam.step(online.params_mut(), &self.gradient, lesson.rate);
+            if let Target::Follow(rate) = options.target {
+                follow(target.params_mut(), online.params(), rate);
+            }
+            follow(average.params_mut(), online.params(), options.average);
+        }
+        loss
+    }
+
+    /// The gradient of the mean loss over a batch; returns that loss.
+    fn differentiate(&mut self, states: &[f32], wanted: &[(usize, f32)], bound: f32) -> f32 {
+        let online = &self.weights.online;
+        let n = online.shape().outputs();
+        let values = self.by_online.forward(online, states);
+        self.d_outputs.fill(0.0);
+        let weight = 1.0 / wanted.len() as f32;
+        let mut loss = 0.0;
+        for (row, &(output, wanted)) in wanted.iter().enumerate() {
+            let error = values[row * n + output] - wanted;
+            let (row_loss, slope) =
+                if bound > 0.0 { huber(error, bound) } else { (error * error, 2.0 * error) };
+            loss += weight * row_loss;
+            self.d_outputs[row * n + output] = weight * slope;
+        }
+        self.by_online.backward(online, states, &self.d_outputs, &mut self.gradient);
         loss
     }
 }
 
-fn best(values: &[f32]) -> usize {
-    (1..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best })
-}
-
-/// A plant's symmetry, as it shows in the network's input and outputs.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MirroredInput {
-    /// Where each number comes from, and its sign.
-    input: Vec<(usize, f32)>,
-    /// The output that each output becomes.
-    outputs: Vec<usize>,
-}
-
-impl MirroredInput {
-    /// For inputs of a state, the way to the goal, and `asked` commands.
-    pub fn new(mirror: &Mirror, outputs: Outputs, asked: usize) -> Self {
-        let state = mirror.state.len();
-        let to_goal = [0, 1].map(|i| (state + i, mirror.position[i]));
-        let one_hot =
-            mirror.commands.iter().take(asked).map(|&command| (state + 2 + usize::from(command), 1.0));
-        let mirrored = |output| {
-            let command = outputs.command(output, 0).command().unwrap_or(0);
-            outputs.output(usize::from(mirror.commands[command]), 0)
-        };
-        Self {
-            input: mirror.state.iter().copied().chain(to_goal).chain(one_hot).collect(),
-            outputs: (0..outputs.len()).map(mirrored).collect(),
-        }
-    }
-
-    fn apply(&self, from: &[f32], to: &mut [f32]) {
-        for (to, &(place, sign)) in to.iter_mut().zip(&self.input) {
-            *to = sign * from[place];
-        }
-    }
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let begun = Instant::now();
+    let result = work();
+    (result, begun.elapsed())
 }

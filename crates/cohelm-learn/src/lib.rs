@@ -19,12 +19,14 @@ pub mod intent_options;
 mod job;
 mod learner;
 mod memory;
+mod mirrored;
 pub mod options;
 mod parallel;
 mod progress;
 mod score;
 mod sequence;
 pub mod values;
+mod wanting;
 mod window;
 mod world;
 

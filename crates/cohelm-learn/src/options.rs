@@ -53,8 +53,15 @@ pub struct ValueOptions {
     pub memory: usize,
     /// How the target network follows.
     pub target: Target,
+    /// The weights that are kept follow those that learn at this rate an update (Polyak averaging): they differ less
+    /// from one moment to the next, and a flight is not spoilt by the last batch. 1: they are the same.
+    pub average: f32,
     /// Updates at an episode's end: K of Algorithm 1.
     pub updates: Updates,
+    /// Updates whose targets are prepared together while the ones before are done, so that two threads share the work;
+    /// the targets come from weights up to two such blocks old. 0: each from the newest weights, on one thread. A block
+    /// should be short beside the 1/rate updates in which the target network follows.
+    pub ahead: u64,
     /// Steps before the first update.
     pub warm_up: u64,
     /// Mirrors every second transition with the plant's symmetry, if it has one: each flight teaches two.
@@ -110,6 +117,9 @@ pub struct Exploration {
     pub last: f64,
     /// Where the last part begins, as a share of the run.
     pub last_from: f64,
+    /// Probability, a round of 32 steps, that a random command is held for a while as a person would hold it, once
+    /// starts have grown to ordinary ones. 0: values are never asked about the states that people bring about.
+    pub holds: f64,
 }
 
 /// Starts near the goal (a reverse curriculum): from "at the goal already" outwards, as far as they succeed.
@@ -150,10 +160,19 @@ impl Default for ValueOptions {
             batch: 128,
             memory: 400_000,
             target: Target::Follow(0.005),
+            average: 1.0,
             updates: Updates::PerStep(0.5),
+            ahead: 16,
             warm_up: 5_000,
             mirror: true,
-            exploration: Exploration { first: 1.0, then: 0.05, steps: 20_000, last: 0.02, last_from: 0.7 },
+            exploration: Exploration {
+                first: 1.0,
+                then: 0.05,
+                steps: 20_000,
+                last: 0.02,
+                last_from: 0.7,
+                holds: 0.0,
+            },
             near_goal: Some(NearGoal {
                 first: 0.05,
                 growth: 0.1,
@@ -186,6 +205,7 @@ impl ValueOptions {
             learning_rate: [5e-4, 5e-4],
             target: Target::CopyEvery(2_000),
             updates: Updates::PerEpisode(100.0),
+            ahead: 0,
             mirror: false,
             near_goal: None,
             pilots: 1.0,

@@ -20,25 +20,23 @@ pub struct Progress {
 /// Sees progress and may stop training, which then leaves its checkpoint behind.
 pub type Watch<'a> = &'a mut dyn FnMut(&Progress) -> ControlFlow<()>;
 
-/// Where the time of value training went. Collecting runs beside learning where there are two threads.
+/// Where the time of value training went. Two parts of it run at the same time where there are two threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Profile {
     /// Altogether, by the clock.
     pub wall: Duration,
-    /// Flying the worlds.
+    /// Flying the worlds, by the clock.
     pub collect: Duration,
-    /// All updates.
+    /// All updates, by the clock.
     pub learn: Duration,
-    /// Of that: drawing batches from the memory.
-    pub sample: Duration,
-    /// Of that: forward and backward passes.
-    pub gradients: Duration,
-    /// Of that: optimiser and target network.
-    pub optimise: Duration,
-    /// Flying fresh episodes to compare checkpoints.
+    /// First half of the updates: drawing batches, and what the values should be.
+    pub prepare: Duration,
+    /// Second half of the updates, at the same time: forward and backward pass, optimiser.
+    pub train: Duration,
+    /// Flying fresh episodes to compare checkpoints, by the clock.
     pub validate: Duration,
-    /// Writing checkpoints.
+    /// Writing checkpoints, by the clock.
     pub save: Duration,
-    /// Making the transitions before the checkpoint again, after an interruption.
+    /// Making the transitions before a checkpoint again after an interruption, by the clock.
     pub resume: Duration,
 }

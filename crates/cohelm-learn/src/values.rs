@@ -3,8 +3,9 @@
 use crate::curriculum::Curriculum;
 use crate::evaluate::{Evaluation, fly_fresh, median_range};
 use crate::job::{Job, LearnError, PilotFactory};
-use crate::learner::{Learner, MirroredInput};
+use crate::learner::{Learner, Lesson, Weights};
 use crate::memory::Memory;
+use crate::mirrored::MirroredInput;
 use crate::options::{Exploration, Target, Updates, ValueOptions};
 use crate::parallel;
 use crate::progress::{Profile, Progress, Watch};
@@ -20,8 +21,8 @@ use serde_json::json;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Steps that every world flies in a round. Short: threads wait for each other; long: the worlds fly with an old
-/// network.
+/// Steps that every world flies in a round. Short: threads wait for each other; long: episodes that ended are learnt from
+/// late.
 const ROUND_STEPS: usize = 32;
 
 /// Streams of random numbers, apart from those of the worlds.
@@ -44,9 +45,9 @@ pub struct TrainedValues {
 
 /// Trains values from nothing (Algorithm 1 and what `options` add to it).
 ///
-/// Worlds are flown and the network learns in fixed rounds: in each, the worlds fly a few steps with the network as it
-/// was when the round began, while the network learns from what was flown in the rounds before. So both may run at the
-/// same time, and the weights depend on the seed alone, not on the number of threads.
+/// Rounds are fixed: the worlds fly a few steps, side by side on all threads, with the network as it is; then the network
+/// does the updates that ended episodes have earned (K of Algorithm 1). The weights depend on the seed alone, not on the
+/// number of threads.
 pub fn train_values(
     job: &Job<'_>,
     options: &ValueOptions,
@@ -73,6 +74,7 @@ struct Training<'a> {
     options: &'a ValueOptions,
     outputs: Outputs,
     worlds: Vec<World>,
+    mirror: Option<MirroredInput>,
     learner: Learner,
     memory: Memory,
     curriculum: Curriculum,
@@ -112,7 +114,8 @@ impl<'a> Training<'a> {
             worlds: (0..options.worlds).map(world).collect::<Result<_, _>>()?,
             memory: Memory::new(encoder.len(), options.memory),
             curriculum: Curriculum::new(options.near_goal),
-            learner: Learner::begin(online, mirror, options),
+            learner: Learner::new(Weights::begin(online), options),
+            mirror,
             rounds: 0,
             owed: 0.0,
             updates: 0,
@@ -133,37 +136,49 @@ impl<'a> Training<'a> {
         (self.steps() as f64 / self.options.steps as f64).min(1.0)
     }
 
-    /// Flies and learns at the same time, then passes on what was flown.
+    /// The worlds fly a few steps; then the network learns what ended episodes have earned.
     fn round(&mut self) -> Result<(), LearnError> {
-        let acting = self.learner.online.clone();
-        let epsilon = epsilon(&self.options.exploration, self.steps(), self.share());
-        let updates = self.owed.floor();
-        let rate = learning_rate(self.options, self.share());
+        self.collect();
+        self.take_in();
+        self.learn()
+    }
+
+    fn collect(&mut self) {
+        let begun = Instant::now();
+        let policy = Policy::Network {
+            network: &self.learner.weights.online,
+            curriculum: &self.curriculum,
+            epsilon: epsilon(&self.options.exploration, self.steps(), self.share()),
+            holds: self.options.exploration.holds,
+            round: self.rounds,
+        };
+        parallel::map_mut(&mut self.worlds, self.job.threads, |world| world.fly(ROUND_STEPS, policy));
+        self.profile.collect += begun.elapsed();
+    }
+
+    fn learn(&mut self) -> Result<(), LearnError> {
+        let begun = Instant::now();
+        let updates = self.due();
+        let lesson = Lesson {
+            memory: &self.memory,
+            mirror: self.mirror.as_ref(),
+            options: self.options,
+            updates,
+            rate: learning_rate(self.options, self.share()),
+            threads: self.job.threads,
+        };
         let mut draws = Draws::fork(mix_seed(self.job.seed, stream::BATCHES), self.rounds);
-        let Self { worlds, learner, memory, curriculum, options, rounds, profile, job, .. } = self;
-        let (collected, learnt) = parallel::both(
-            job.threads,
-            |threads| {
-                let begun = Instant::now();
-                parallel::map_mut(worlds, threads, |world| {
-                    let policy = Policy::Network { network: &acting, curriculum, epsilon, round: *rounds };
-                    world.fly(ROUND_STEPS, policy);
-                });
-                begun.elapsed()
-            },
-            || {
-                let begun = Instant::now();
-                let loss = learner.learn(memory, (updates as u64, rate), options, &mut draws, profile);
-                profile.learn += begun.elapsed();
-                loss
-            },
-        );
-        self.profile.collect += collected;
-        self.recent.loss = learnt?;
+        self.recent.loss = self.learner.learn(&lesson, &mut draws, &mut self.profile)?;
+        self.profile.learn += begun.elapsed();
+        Ok(())
+    }
+
+    /// Takes the updates that are due from what is owed.
+    fn due(&mut self) -> u64 {
+        let updates = self.owed.floor();
         self.owed -= updates;
         self.updates += updates as u64;
-        self.take_in();
-        Ok(())
+        updates as u64
     }
 
     /// Passes on what was flown in a round: to the memory, the curriculum, and what is still to be learnt.
@@ -186,7 +201,8 @@ impl<'a> Training<'a> {
         if let Target::CopyEvery(period) = self.options.target
             && before / period != self.steps() / period
         {
-            self.learner.copy_target();
+            let Weights { online, target, .. } = &mut self.learner.weights;
+            target.clone_from(online);
         }
     }
 
@@ -200,7 +216,7 @@ impl<'a> Training<'a> {
     /// Keeps the network if it flies fresh episodes better than any before; of equals the later.
     fn validate(&mut self) -> Result<(), LearnError> {
         let begun = Instant::now();
-        let values = self.as_values(&self.learner.online, None)?;
+        let values = self.as_values(&self.learner.weights.average, None)?;
         let set = mix_seed(self.job.seed, stream::VALIDATION);
         let evaluation = fly_fresh(self.job, &values, set, self.options.validation_episodes)?;
         let better = self.best.as_ref().is_none_or(|(best, _)| {
@@ -208,7 +224,7 @@ impl<'a> Training<'a> {
             score(&evaluation) >= score(best)
         });
         if better {
-            self.best = Some((evaluation, self.learner.online.clone()));
+            self.best = Some((evaluation, self.learner.weights.average.clone()));
         }
         self.validations += 1;
         self.profile.validate += begun.elapsed();
@@ -296,7 +312,7 @@ impl Recent {
 }
 
 fn epsilon(exploration: &Exploration, steps: u64, share: f64) -> f64 {
-    let Exploration { first, then, steps: over, last, last_from } = *exploration;
+    let Exploration { first, then, steps: over, last, last_from, .. } = *exploration;
     if share >= last_from {
         return last;
     }

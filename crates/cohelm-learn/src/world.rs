@@ -24,6 +24,28 @@ const CONFIDENCE_IN_TRAINING: f32 = 0.6;
 /// How often a teacher's command is replaced by a random one, so that its flights also show how to recover.
 const TEACHER_SLIPS: f64 = 0.04;
 
+/// How often a held command is carried out while it is held; otherwise the robot gets through.
+const HOLDING: f64 = 0.75;
+/// Longest hold in steps; the shortest is a fifth of it.
+const LONGEST_HOLD: usize = 25;
+
+/// A random command that is held for part of a round.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    command: u8,
+    from: usize,
+    to: usize,
+}
+
+impl Held {
+    fn draw(probability: f64, steps: usize, commands: usize, draws: &mut Draws) -> Option<Self> {
+        let held = draws.chance(probability);
+        let (command, from) = (draws.below(commands) as u8, draws.below(steps));
+        let to = from + LONGEST_HOLD / 5 + draws.below(LONGEST_HOLD * 4 / 5 + 1);
+        held.then_some(Self { command, from, to })
+    }
+}
+
 /// Streams of random numbers, apart from each other.
 mod stream {
     pub const EPISODES: u64 = 0x1000;
@@ -53,11 +75,12 @@ pub(crate) struct Flown {
 }
 
 /// What decides in a round.
+#[derive(Clone, Copy)]
 pub(crate) enum Policy<'a> {
     /// The network, as it was when the round began.
-    Network { network: &'a Mlp, curriculum: &'a Curriculum, epsilon: f64, round: u64 },
-    /// What was logged from that start and that step on.
-    Logged { log: &'a Log, start: usize, step: usize },
+    Network { network: &'a Mlp, curriculum: &'a Curriculum, epsilon: f64, holds: f64, round: u64 },
+    /// What was logged before.
+    Logged(&'a Log),
 }
 
 /// A plant, who flies it, and its episode.
@@ -78,6 +101,8 @@ pub(crate) struct World {
     input: Vec<f32>,
     episodes: u64,
     episode: Option<Episode>,
+    held: Option<Held>,
+    at: usize,
     /// Transitions of this round.
     pub memory: Memory,
     /// Episodes that ended in this round.
@@ -134,6 +159,8 @@ impl World {
             input: vec![0.0; encoder.len()],
             episodes: 0,
             episode: None,
+            held: None,
+            at: 0,
             memory: Memory::new(encoder.len(), usize::MAX),
             flown: Vec::new(),
             log: Log::default(),
@@ -141,21 +168,28 @@ impl World {
     }
 
     /// Flies that many steps; transitions and episodes of earlier rounds are forgotten.
-    pub fn fly(&mut self, steps: usize, mut policy: Policy<'_>) {
+    pub fn fly(&mut self, steps: usize, policy: Policy<'_>) {
         self.memory.clear();
         self.flown.clear();
-        let mut draws = match &policy {
+        let mut draws = match policy {
             Policy::Network { round, .. } => {
-                Draws::fork(mix_seed(self.seed, stream::CHOICES + self.number), *round)
+                Draws::fork(mix_seed(self.seed, stream::CHOICES + self.number), round)
             }
-            Policy::Logged { .. } => Draws::new(0),
+            Policy::Logged(_) => Draws::new(0),
         };
-        for _ in 0..steps {
-            self.step(&mut policy, &mut draws);
+        self.held = match policy {
+            Policy::Network { curriculum, holds, .. } if curriculum.difficulty() >= 1.0 => {
+                Held::draw(holds, steps, self.outputs.commands(), &mut draws)
+            }
+            _ => None,
+        };
+        for at in 0..steps {
+            self.at = at;
+            self.step(policy, &mut draws);
         }
     }
 
-    fn step(&mut self, policy: &mut Policy<'_>, draws: &mut Draws) {
+    fn step(&mut self, policy: Policy<'_>, draws: &mut Draws) {
         let Episode { start, steps } = match self.episode {
             Some(episode) => episode,
             None => self.begin(policy),
@@ -163,11 +197,8 @@ impl World {
         let asked = self.look();
         self.window.see(&self.input, &mut self.memory);
         let command = match policy {
-            Policy::Network { network, epsilon, .. } => self.choose(network, asked, *epsilon, draws),
-            Policy::Logged { log, step, .. } => {
-                *step += 1;
-                log.executed[*step - 1]
-            }
+            Policy::Network { network, epsilon, .. } => self.choose(network, asked, epsilon, draws),
+            Policy::Logged(log) => log.executed[self.log.executed.len()],
         };
         self.log.executed.push(command);
         let executed = Action::Command(command);
@@ -181,16 +212,13 @@ impl World {
         }
     }
 
-    fn begin(&mut self, policy: &mut Policy<'_>) -> Episode {
+    fn begin(&mut self, policy: Policy<'_>) -> Episode {
         let start = match policy {
             Policy::Network { curriculum, .. } => {
                 let starts = mix_seed(self.seed, stream::STARTS + self.number);
                 curriculum.next_start(&mut Draws::fork(starts, self.episodes))
             }
-            Policy::Logged { log, start, .. } => {
-                *start += 1;
-                log.starts[*start - 1]
-            }
+            Policy::Logged(log) => log.starts[self.log.starts.len()],
         };
         let seed = mix_seed(mix_seed(self.seed, stream::EPISODES + self.number), self.episodes);
         let near = start.filter(|&difficulty| self.plant.reset_near_goal(seed, difficulty));
@@ -223,6 +251,11 @@ impl World {
         }
         if draws.chance(epsilon) {
             return random(draws);
+        }
+        if let Some(held) = self.held.filter(|held| held.from <= self.at && self.at < held.to)
+            && draws.chance(HOLDING)
+        {
+            return held.command;
         }
         let switches = self.plant.view().switches;
         let values = network.forward(&self.input, &mut self.scratch);
