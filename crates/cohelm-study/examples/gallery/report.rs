@@ -5,8 +5,9 @@ use crate::figures;
 use crate::invented::{participants, rates, values};
 use cohelm_study::apa;
 use cohelm_study::measures::{self, Measure, measure};
-use cohelm_study::report::{Align, Block, Document, Table as Printed, VerdictRow};
-use cohelm_study::statistics::{Table, describe, friedman, repeated_measures};
+use cohelm_study::report::{Block, Document, VerdictRow, tables};
+use cohelm_study::statistics::bootstrap::Options;
+use cohelm_study::statistics::{Table, friedman, pairwise, repeated_measures};
 use cohelm_study::text::Text;
 use cohelm_study::verdict::{
     Comparison, Direction, Judgement, Limit, Part, difference_in_direction, each_part_holds,
@@ -152,7 +153,10 @@ fn results(document: &mut Document, data: &Data) -> Outcome<()> {
         "Success and crash rates of each participant in each mode, as the paper’s Fig. 2a.",
         "figures/fig2a",
     ));
-    document.push(Block::Table(summary(data)?));
+    let success = defined("success");
+    document.push(Block::Table(tables::summary(success, &data.success)));
+    document
+        .push(Block::Table(tables::pairs(success, &pairwise(&data.success, Some(0.05), Options::default()))));
     document.push(Block::heading("Steps"));
     document.push(Block::subheading("Each participant"));
     document.push(Block::figure(
@@ -169,38 +173,6 @@ fn results(document: &mut Document, data: &Data) -> Outcome<()> {
     document.push(Block::heading("Success against interventions"));
     document.push(Block::figure(figures::pareto()?, "All modes.", "figures/pareto"));
     Ok(())
-}
-
-fn summary(data: &Data) -> Outcome<Printed> {
-    let mut rows = Vec::new();
-    for (key, table) in [("success", &data.success), ("crash", &data.crash), ("steps", &data.steps)] {
-        let m = defined(key);
-        for (condition, column) in CONDITIONS.iter().zip(table.columns()) {
-            let s = describe(&column)?;
-            let ci = s
-                .mean_ci95
-                .map_or(String::new(), |ci| format!("[{}, {}]", m.write(ci.low), m.write(ci.high)));
-            let cells =
-                [m.title(), (*condition).to_owned(), m.write(s.mean), ci, m.write(s.median), m.write(s.iqm)];
-            rows.push(cells.map(Text::from).to_vec());
-        }
-    }
-    let head = |text: &str, align| (Text::from(text), align);
-    Ok(Printed {
-        caption: Text::from(
-            "Means over participants with 95 % intervals (Student’s t), medians and interquartile means.",
-        ),
-        columns: vec![
-            head("Measure", Align::Left),
-            head("Mode", Align::Left),
-            head("Mean", Align::Right),
-            head("95 % interval", Align::Right),
-            head("Median", Align::Right),
-            head("IQM", Align::Right),
-        ],
-        rows,
-        notes: vec![Text::from("IQM: mean of the values between the quartiles.")],
-    })
 }
 
 fn methods(document: &mut Document) {

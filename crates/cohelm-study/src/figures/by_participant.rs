@@ -10,7 +10,7 @@ use crate::statistics::describe;
 
 /// One or more measures, one panel each, of every participant under every condition.
 ///
-/// Up to four conditions are drawn as bars, more as points. On the right stands the mean over participants with its 95 %
+/// Up to four conditions are drawn as bars, more (or more than bars have room for) as points. On the right stands the mean over participants with its 95 %
 /// interval (Student's t), so that the figure answers "on average?" as well as "for whom?".
 #[derive(Debug, Clone, PartialEq)]
 pub struct ByParticipant {
@@ -37,6 +37,7 @@ const WIDTH: f64 = 960.0;
 const PANEL_HEIGHT: f64 = 230.0;
 const PANEL_GAP: f64 = 52.0;
 const MOST_BARS: usize = 4;
+const THINNEST_BAR: f64 = 6.0;
 
 impl ByParticipant {
     /// Draws the figure.
@@ -90,7 +91,8 @@ impl ByParticipant {
         }
         let zero = area.y(&scale, scale.low.max(0.0));
         frame::base_line(scene, means, zero);
-        if self.conditions.len() <= MOST_BARS {
+        let bars = self.conditions.len() * self.participants.len();
+        if self.conditions.len() <= MOST_BARS && area.width() / bars as f64 > THINNEST_BAR {
             self.draw_bars(scene, panel, area, &scale);
             frame::base_line(scene, area, zero);
         } else {

@@ -187,8 +187,11 @@ pub(crate) fn condition_names(scene: &mut Scene, area: &Area, conditions: &Condi
     let count = conditions.len();
     let room = area.width() / count.max(1) as f64 - 10.0;
     for (i, condition) in conditions.as_slice().iter().enumerate() {
-        let lines = wrapped(&condition.name, Weight::Regular, SMALL, room);
-        for (line, text) in lines.iter().take(2).enumerate() {
+        let mut lines = wrapped(&condition.name, Weight::Regular, SMALL, room);
+        if lines.len() > 2 {
+            lines = vec![lines[0].clone(), lines[1..].join(" ")];
+        }
+        for (line, text) in lines.iter().enumerate() {
             let text = fitted(text, Weight::Regular, SMALL, room);
             let y = area.bottom + 21.0 + 17.0 * line as f64;
             scene.label(Label::new(text, area.column(i, count), y, SMALL).anchored(Anchor::Middle));

@@ -13,6 +13,7 @@
 
 mod html;
 mod markdown;
+pub mod tables;
 
 use crate::figures::Figure;
 use crate::measures::{self, Measure};

@@ -176,7 +176,7 @@ mod tests {
         assert_eq!((one.median, one.iqm, one.sd, one.mean_ci95), (3.0, 3.0, None, None));
         assert_eq!(
             describe(&[]).unwrap_err().to_string(),
-            "a summary needs at least 1 values, and there are 0"
+            "a summary needs one or more values, and there are 0"
         );
         assert_eq!(describe(&[f64::NAN]), Err(Undefined::NotFinite));
         assert!(quantile(&[1.0], 1.5).is_err());

@@ -16,6 +16,7 @@ mod distribution;
 mod friedman;
 mod holm;
 mod paired;
+mod pairwise;
 mod special;
 mod sphericity;
 mod table;
@@ -28,6 +29,7 @@ pub use describe::{
 pub use friedman::{Friedman, friedman};
 pub use holm::holm;
 pub use paired::{EffectSizes, PairedT, Tost, effect_sizes, paired_t, tost};
+pub use pairwise::{PairOfConditions, pairwise};
 pub use sphericity::{Mauchly, Sphericity};
 pub use table::{Listwise, Paired, Table, TableError};
 pub use wilcoxon::{Wilcoxon, WilcoxonMethod, wilcoxon};
@@ -37,7 +39,7 @@ pub use wilcoxon::{Wilcoxon, WilcoxonMethod, wilcoxon};
 #[serde(tag = "why", rename_all = "snake_case")]
 pub enum Undefined {
     /// Too little of something.
-    #[error("{what} needs at least {needed} {of}, and there {} {found}", if *found == 1 { "is" } else { "are" })]
+    #[error("{what} needs {} {of}, and there {} {found}", at_least(*needed), if *found == 1 { "is" } else { "are" })]
     TooFew {
         /// The test or number asked for.
         what: &'static str,
@@ -93,6 +95,10 @@ pub enum Undefined {
         /// What it is, as text.
         found: String,
     },
+}
+
+fn at_least(count: usize) -> String {
+    if count == 1 { "one or more".to_owned() } else { format!("at least {count}") }
 }
 
 /// Largest magnitude of a value: far above any measure, and small enough that no sum of squares overflows.

@@ -38,8 +38,7 @@ const MOST_FOR_PERMUTATION: usize = 13;
 
 /// Wilcoxon's signed-rank test, two-sided, zeros left out (`scipy.stats.wilcoxon(a, b)` with its defaults).
 ///
-/// Ties are judged on the differences as f64: two rates such as 34/40 − 32/40 and 36/40 − 34/40 may differ in the last
-/// digit and so not tie. Counts do not have that trap. Where SciPy has no answer (more than 13 participants, none
+/// Ties are judged on the differences as f64, so rates that ought to tie may not: see [`Paired::snapped`]. Where SciPy has no answer (more than 13 participants, none
 /// of them different) p is 1, as for fewer.
 ///
 /// # Errors
@@ -171,6 +170,13 @@ mod tests {
         check(&tied, 16.0, 0.035_455_030_530_136_53, WilcoxonMethod::Normal);
         let many: Vec<f64> = (0..60).map(|i| f64::from(i) - 20.5).collect();
         check(&many, 451.5, 0.000_644_063_741_527_686_9, WilcoxonMethod::Normal);
+    }
+
+    #[test]
+    fn rates_tie_when_snapped() {
+        let rates = Paired::new(&[34.0 / 40.0, 36.0 / 40.0, 1.0], &[32.0 / 40.0, 34.0 / 40.0, 0.5]).unwrap();
+        assert_eq!(wilcoxon(&rates).unwrap().method, WilcoxonMethod::Exact);
+        assert_eq!(wilcoxon(&rates.snapped()).unwrap().method, WilcoxonMethod::Permutation);
     }
 
     #[test]

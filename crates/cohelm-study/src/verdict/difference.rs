@@ -123,7 +123,7 @@ fn beside(comparison: &Comparison<'_>, pairs: &Paired, numbers: &mut BTreeMap<St
     } else if let Ok(d) = effect_sizes(pairs) {
         numbers.insert("d_av".to_owned(), d.d_av);
     }
-    if let Ok(w) = wilcoxon(pairs) {
+    if let Ok(w) = wilcoxon(&pairs.snapped()) {
         numbers.insert("wilcoxon_p".to_owned(), w.p);
         parts.push(Text::from("Wilcoxon ").then(apa::wilcoxon(&w)));
     }
