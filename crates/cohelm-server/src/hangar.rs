@@ -66,6 +66,11 @@ impl Hangar {
         &self.models
     }
 
+    /// The database.
+    pub fn store(&self) -> &dyn Store {
+        self.store.as_ref()
+    }
+
     /// The models that a setup names and that are to be had: what its cockpit is made of.
     pub async fn models_of(&self, setup: &Setup) -> Result<Models, HangarError> {
         let mut needed = Models::new();

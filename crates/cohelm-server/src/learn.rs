@@ -235,3 +235,6 @@ impl Worker {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,6 +14,8 @@
 //! | [`hangar`] | what can be flown here: plants and models |
 //! | `lease` | one connection a flight |
 //! | [`store`] | where episodes and models are kept |
+//! | [`mod@recover`] | flights that were interrupted |
+//! | [`verify`] | every stored episode flown again |
 //! | [`learn`] | values that learn while people fly |
 //! | [`page`] | the built page, inside the program |
 //! | [`hosts`] | who may talk to the server |
@@ -29,13 +31,16 @@ pub mod learn;
 mod lease;
 pub mod page;
 pub mod protocol;
+pub mod recover;
 pub mod serve;
 pub mod server;
 mod session;
 pub mod store;
 #[cfg(test)]
 mod testing;
+pub mod verify;
 
 pub use app::app;
 pub use serve::{bind, serve};
 pub use server::{Parts, Server};
+pub use verify::verify_episodes;

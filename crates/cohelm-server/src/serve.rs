@@ -57,3 +57,6 @@ pub async fn serve(
     };
     axum::serve(listener, app(server)).with_graceful_shutdown(signal).await
 }
+
+#[cfg(test)]
+mod tests;

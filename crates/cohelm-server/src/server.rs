@@ -6,6 +6,7 @@ use crate::learn::{Learning, Lessons};
 use crate::lease::Leases;
 use crate::page::Assets;
 use crate::protocol::Welcome;
+use crate::recover::{PATIENCE, end_interrupted};
 use crate::store::{Origin, Store, StoreError, Write, Writer, now_ms};
 use cohelm::registry::Plants;
 use cohelm::trajectory::FORMAT_VERSION;
@@ -42,7 +43,6 @@ pub struct Server {
 }
 
 struct Shared {
-    store: Arc<dyn Store>,
     writer: Writer,
     hangar: Hangar,
     leases: Leases,
@@ -68,9 +68,11 @@ impl Server {
             Some(lessons) => Some(Learning::start(lessons, &store, writer.clone()).await?),
             None => None,
         };
+        let hangar = Hangar::new(plants, models, store);
+        let (ended, forgotten) = end_interrupted(&hangar, PATIENCE).await?;
+        tracing::info!(ended, forgotten, "old interrupted flights");
         let shared = Shared {
-            hangar: Hangar::new(plants, models, store.clone()),
-            store,
+            hangar,
             writer,
             leases: Leases::default(),
             learning,
@@ -86,7 +88,7 @@ impl Server {
 
     /// Where episodes and models are kept.
     pub fn store(&self) -> &dyn Store {
-        self.shared.store.as_ref()
+        self.shared.hangar.store()
     }
 
     /// The way to write.

@@ -1,6 +1,9 @@
 //! What the tests of this crate share: a page that flies the point, and a database in a folder of its own.
 
+pub mod buttons;
+
 use crate::follow::End;
+use crate::hangar::Hangar;
 use crate::hosts::Hosts;
 use crate::learn::Lessons;
 use crate::page::Assets;
@@ -15,12 +18,13 @@ use cohelm::plant::Ending;
 use cohelm::point;
 use cohelm::registry::{Plants, Task};
 use cohelm::trajectory::{Setup, Trajectory, put_event};
-use cohelm_copilot::Models;
+use cohelm_copilot::{Model, Models};
 use std::sync::Arc;
 
 pub fn plants() -> Plants {
     let mut plants = Plants::default();
     plants.register(point::entry());
+    plants.register(buttons::entry());
     plants
 }
 
@@ -39,15 +43,29 @@ pub fn setup(seed: u64) -> Setup {
     }
 }
 
+/// A flight of the buttons that a model assists.
+pub fn assisted(seed: u64, model: &Model) -> Setup {
+    Setup {
+        task: Task::new("buttons"),
+        plant_version: buttons::entry().version,
+        values: Some(model.hash().into()),
+        ..setup(seed)
+    }
+}
+
 pub fn key(number: u8) -> FlightKey {
     FlightKey([number; 16])
 }
 
 /// The beginning of a flight.
 pub fn flight(setup: Setup) -> Flight {
+    flight_with(setup, &Models::new())
+}
+
+fn flight_with(setup: Setup, models: &Models) -> Flight {
     let plants = plants();
     let plant = plants.make(&setup.task).unwrap();
-    let cockpit = cohelm_copilot::cockpit(&setup, plant.as_ref(), &plants, &Models::new()).unwrap();
+    let cockpit = cohelm_copilot::cockpit(&setup, plant.as_ref(), &plants, models).unwrap();
     Flight::new(setup, plant, cockpit)
 }
 
@@ -60,6 +78,11 @@ pub struct Page {
 impl Page {
     pub fn new(setup: Setup) -> Self {
         Self { flight: flight(setup), sent: 0 }
+    }
+
+    /// A page that was given models.
+    pub fn with(setup: Setup, models: &Models) -> Self {
+        Self { flight: flight_with(setup, models), sent: 0 }
     }
 
     /// Flies up to so many ticks with scripted keys; gives the piece of the log since the last time.
@@ -129,6 +152,10 @@ impl Disk {
 }
 
 impl Disk {
+    pub fn hangar(&self) -> Hangar {
+        Hangar::new(plants(), Models::new(), self.store.clone())
+    }
+
     /// A server on this database, for the point.
     pub async fn server(&self) -> Server {
         self.server_with(None, Assets::of(&[])).await

@@ -1,1 +1,298 @@
-//! Being written.
+//! Every route, asked rightly and wrongly.
+
+use super::*;
+use crate::hangar::is_hash;
+use crate::page::Assets;
+use crate::store::{Store, Write, now_ms};
+use crate::testing::{Disk, flown, key, record, setup};
+use axum::body::{Body, to_bytes};
+use cohelm::trajectory::Trajectory;
+use serde_json::Value;
+use tower::ServiceExt;
+
+const FILES: &[(&str, &[u8])] = &[
+    ("/index.html", b"<!doctype html>the page"),
+    ("/app.js", b"export {}"),
+    ("/cohelm.wasm", b"\0asm"),
+    ("/style.css", b"body {}"),
+    ("/notices/third-party.txt", b"thanks"),
+];
+
+struct Answer {
+    status: StatusCode,
+    headers: HeaderMap,
+    body: Vec<u8>,
+}
+
+impl Answer {
+    fn header(&self, name: impl header::AsHeaderName) -> &str {
+        self.headers.get(name).map_or("", |value| value.to_str().unwrap())
+    }
+
+    fn text(&self) -> String {
+        String::from_utf8_lossy(&self.body).into_owned()
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap_or_else(|_| panic!("no JSON: {}", self.text()))
+    }
+}
+
+async fn send(app: &Router, request: Request) -> Answer {
+    let response = app.clone().oneshot(request).await.unwrap();
+    let (parts, body) = response.into_parts();
+    let body = to_bytes(body, usize::MAX).await.unwrap().to_vec();
+    Answer { status: parts.status, headers: parts.headers, body }
+}
+
+fn request(method: Method, path: &str) -> axum::http::request::Builder {
+    Request::builder().method(method).uri(path).header(header::HOST, "localhost:1234")
+}
+
+async fn get(app: &Router, path: &str) -> Answer {
+    send(app, request(Method::GET, path).body(Body::empty()).unwrap()).await
+}
+
+async fn from_own_page(app: &Router, method: Method, path: &str, body: Body) -> Answer {
+    let request = request(method, path).header(header::ORIGIN, "http://localhost:1234");
+    send(app, request.body(body).unwrap()).await
+}
+
+/// A server with a page and three episodes: two finished, the newest in the air.
+async fn with_episodes() -> (Disk, Router) {
+    let disk = Disk::new().await;
+    let writes = [
+        Write::Episode { record: record(1), at_ms: 10 },
+        Write::Episode { record: record(2), at_ms: 20 },
+        Write::Begin { key: key(3), setup: setup(3), at_ms: now_ms() },
+    ];
+    disk.store.commit(&writes).await.unwrap();
+    let server = disk.server_with(None, Assets::of(FILES)).await;
+    (disk, app(server))
+}
+
+#[tokio::test]
+async fn the_page_comes_with_its_types_and_a_tag() {
+    let (_disk, app) = with_episodes().await;
+    for (path, content_type) in [
+        ("/", "text/html; charset=utf-8"),
+        ("/index.html", "text/html; charset=utf-8"),
+        ("/app.js", "text/javascript; charset=utf-8"),
+        ("/cohelm.wasm", "application/wasm"),
+        ("/style.css", "text/css; charset=utf-8"),
+        ("/favicon.ico", "image/svg+xml"),
+    ] {
+        let answer = get(&app, path).await;
+        assert_eq!(
+            (answer.status, answer.header(header::CONTENT_TYPE)),
+            (StatusCode::OK, content_type),
+            "{path}"
+        );
+        assert_eq!(answer.header(header::CACHE_CONTROL), "no-cache");
+        let tag = answer.header(header::ETAG);
+        let again = request(Method::GET, path).header(header::IF_NONE_MATCH, format!("\"x\", W/{tag}"));
+        let again = send(&app, again.body(Body::empty()).unwrap()).await;
+        assert_eq!((again.status, again.body.len()), (StatusCode::NOT_MODIFIED, 0), "{path}");
+        assert_eq!(again.header(header::ETAG), tag);
+    }
+    assert_eq!(get(&app, "/").await.text(), "<!doctype html>the page");
+}
+
+#[tokio::test]
+async fn without_a_page_the_command_that_builds_it_is_said() {
+    let disk = Disk::new().await;
+    let app = app(disk.server().await);
+    let answer = get(&app, "/").await;
+    assert_eq!(answer.status, StatusCode::SERVICE_UNAVAILABLE);
+    assert!(answer.text().contains("npm ci"), "{}", answer.text());
+    assert_eq!(get(&app, "/app.js").await.status, StatusCode::NOT_FOUND);
+    assert_eq!(get(&app, "/healthz").await.status, StatusCode::OK);
+}
+
+#[tokio::test]
+async fn the_embedded_page_is_whole_or_absent() {
+    let assets = Assets::embedded();
+    let (disk, headers) = (Disk::new().await, HeaderMap::new());
+    let index = assets.answer("/", &headers).unwrap().status();
+    assert_eq!(index == StatusCode::OK, assets.has_page());
+    drop(disk);
+}
+
+#[tokio::test]
+async fn every_answer_says_what_a_page_may_do() {
+    let (_disk, app) = with_episodes().await;
+    for path in ["/", "/api/episodes", "/api/nothing", "/ws", "/favicon.ico", "/api/models/xyz"] {
+        let answer = get(&app, path).await;
+        let policy = answer.header(header::CONTENT_SECURITY_POLICY);
+        assert!(policy.contains("default-src 'none'") && policy.contains("'wasm-unsafe-eval'"), "{path}");
+        assert!(!policy.contains("'unsafe-inline'") && !policy.contains("'unsafe-eval'"), "{path}");
+        assert_eq!(answer.header(header::X_CONTENT_TYPE_OPTIONS), "nosniff", "{path}");
+        assert!(!answer.header(header::CACHE_CONTROL).is_empty(), "{path}");
+    }
+}
+
+#[tokio::test]
+async fn no_path_leads_anywhere_else() {
+    let (_disk, app) = with_episodes().await;
+    for path in [
+        "/../Cargo.toml",
+        "/..%2f..%2fetc%2fpasswd",
+        "/app.js/../../../etc/passwd",
+        "/%2e%2e/%2e%2e/etc/passwd",
+        "//etc/passwd",
+        "/index.html/",
+        "/api",
+        "/api/",
+        "/api/models/../episodes",
+        "/api/models/..%2f..%2fCargo.toml",
+        "/api/models/%00",
+        "/api/episodes/..%2f1",
+        "/api/episodes/1/2",
+        "/api/episodes/-1",
+        "/api/episodes/99999999999999999999",
+        "/api/episodes/one",
+        "/api/episodes/99",
+        "/notices/",
+    ] {
+        let answer = get(&app, path).await;
+        assert_eq!(answer.status, StatusCode::NOT_FOUND, "{path}: {}", answer.text());
+        assert!(!answer.text().contains("[package]") && !answer.text().contains("root:"), "{path}");
+    }
+}
+
+#[tokio::test]
+async fn wrong_methods_are_refused_everywhere() {
+    let (_disk, app) = with_episodes().await;
+    let routes = [
+        "/",
+        "/app.js",
+        "/healthz",
+        "/api/plants",
+        "/api/models",
+        "/api/episodes",
+        "/api/episodes/1",
+        "/api/learn",
+    ];
+    for path in routes {
+        for method in [Method::POST, Method::PUT, Method::DELETE, Method::PATCH] {
+            let answer = from_own_page(&app, method.clone(), path, Body::empty()).await;
+            assert_eq!(answer.status, StatusCode::METHOD_NOT_ALLOWED, "{method} {path}");
+            assert!(answer.header(header::ALLOW).contains("GET"), "{method} {path}");
+        }
+    }
+    for path in ["/api/learn/keep", "/api/learn/reset"] {
+        assert_eq!(get(&app, path).await.status, StatusCode::METHOD_NOT_ALLOWED, "{path}");
+    }
+    let head = send(&app, request(Method::HEAD, "/app.js").body(Body::empty()).unwrap()).await;
+    assert_eq!((head.status, head.body.len()), (StatusCode::OK, 0));
+}
+
+#[tokio::test]
+async fn only_our_own_page_may_change_anything_or_open_a_socket() {
+    let (_disk, app) = with_episodes().await;
+    for origin in [None, Some("http://evil.example"), Some("null"), Some("http://localhost:4321")] {
+        for (method, path) in
+            [(Method::POST, "/api/learn/reset"), (Method::POST, "/api/learn/keep"), (Method::GET, "/ws")]
+        {
+            let mut request = request(method, path);
+            if let Some(origin) = origin {
+                request = request.header(header::ORIGIN, origin);
+            }
+            let answer = send(&app, request.body(Body::empty()).unwrap()).await;
+            assert_eq!(answer.status, StatusCode::FORBIDDEN, "{path} from {origin:?}");
+        }
+    }
+    let own = from_own_page(&app, Method::POST, "/api/learn/reset", Body::empty()).await;
+    assert_eq!(own.status, StatusCode::CONFLICT, "allowed, but nothing learns here");
+    let no_upgrade = from_own_page(&app, Method::GET, "/ws", Body::empty()).await;
+    assert!(no_upgrade.status.is_client_error() && no_upgrade.status != StatusCode::FORBIDDEN);
+}
+
+#[tokio::test]
+async fn a_name_that_points_here_from_elsewhere_is_not_answered() {
+    let (_disk, app) = with_episodes().await;
+    let request = Request::builder().uri("/api/episodes").header(header::HOST, "evil.example:1234");
+    let answer = send(&app, request.body(Body::empty()).unwrap()).await;
+    assert_eq!(answer.status, StatusCode::MISDIRECTED_REQUEST);
+    let request = Request::builder().uri("/api/episodes");
+    assert_eq!(
+        send(&app, request.body(Body::empty()).unwrap()).await.status,
+        StatusCode::MISDIRECTED_REQUEST
+    );
+}
+
+#[tokio::test]
+async fn oversize_bodies_are_refused() {
+    let (_disk, app) = with_episodes().await;
+    for path in ["/api/learn/reset", "/api/episodes", "/"] {
+        let large = request(Method::POST, path)
+            .header(header::ORIGIN, "http://localhost:1234")
+            .header(header::CONTENT_LENGTH, MAX_BODY + 1);
+        let answer = send(&app, large.body(Body::from(vec![b' '; MAX_BODY + 1])).unwrap()).await;
+        assert_eq!(answer.status, StatusCode::PAYLOAD_TOO_LARGE, "{path}");
+    }
+}
+
+#[tokio::test]
+async fn episodes_are_listed_newest_first_in_parts() {
+    let (_disk, app) = with_episodes().await;
+    let all = get(&app, "/api/episodes").await.json();
+    let ids: Vec<i64> =
+        all["episodes"].as_array().unwrap().iter().map(|e| e["id"].as_i64().unwrap()).collect();
+    assert_eq!((ids, &all["next"]), (vec![3, 2, 1], &Value::Null));
+    let newest = &all["episodes"][0];
+    assert_eq!((newest["state"].as_str(), newest["seed"].as_u64()), (Some("in-the-air"), Some(3)));
+    assert_eq!(all["episodes"][1]["state"], "finished");
+    assert_eq!(all["episodes"][1]["ending"], flown(2).ending.word());
+    assert_eq!(all["episodes"][1]["setup"]["task"]["plant"], "point");
+    let first = get(&app, "/api/episodes?limit=2").await.json();
+    assert_eq!((first["episodes"].as_array().unwrap().len(), first["next"].as_i64()), (2, Some(2)));
+    let second = get(&app, "/api/episodes?limit=2&before=2").await.json();
+    assert_eq!((&second["episodes"][0]["id"], &second["next"]), (&1.into(), &Value::Null));
+    for wrong in ["?limit=-1", "?limit=many", "?before=x", "?colour=red", "?limit=1&limit=2"] {
+        let answer = get(&app, &format!("/api/episodes{wrong}")).await;
+        assert_eq!(answer.status, StatusCode::BAD_REQUEST, "{wrong}");
+    }
+}
+
+#[tokio::test]
+async fn a_record_is_given_as_its_bytes() {
+    let (_disk, app) = with_episodes().await;
+    let answer = get(&app, "/api/episodes/2").await;
+    assert_eq!(answer.status, StatusCode::OK);
+    assert_eq!(Trajectory::from_bytes(&answer.body).unwrap(), flown(2));
+    assert!(answer.header(header::CONTENT_DISPOSITION).contains("episode-2.cohelm"));
+    let in_the_air = get(&app, "/api/episodes/3").await;
+    assert_eq!(in_the_air.status, StatusCode::CONFLICT);
+    assert!(in_the_air.json()["error"].as_str().unwrap().contains("in the air"));
+}
+
+#[tokio::test]
+async fn plants_are_described_with_what_a_person_can_press() {
+    let (_disk, app) = with_episodes().await;
+    let plants = get(&app, "/api/plants").await.json();
+    let point = &plants["plants"][0];
+    assert_eq!((&point["name"], &point["version"]), (&"point".into(), &1.into()));
+    assert_eq!(point["controls"].as_array().unwrap().len(), 4);
+    assert_eq!((&point["ticks_per_second"], &point["hand_made_values"]), (&50.0.into(), &true.into()));
+}
+
+#[tokio::test]
+async fn without_models_there_are_none_and_without_a_learner_nothing_learns() {
+    let (_disk, app) = with_episodes().await;
+    assert_eq!(get(&app, "/api/models").await.json()["models"], Value::Array(vec![]));
+    let hash = "ab".repeat(32);
+    assert!(is_hash(&hash));
+    assert_eq!(get(&app, &format!("/api/models/{hash}")).await.status, StatusCode::NOT_FOUND);
+    assert_eq!(get(&app, "/api/learn").await.json()["learning"], false);
+}
+
+#[tokio::test]
+async fn health_tells_of_a_database_that_is_gone() {
+    let (disk, app) = with_episodes().await;
+    assert_eq!(get(&app, "/healthz").await.json()["status"], "ok");
+    disk.store.close().await;
+    let answer = get(&app, "/healthz").await;
+    assert_eq!(answer.status, StatusCode::SERVICE_UNAVAILABLE);
+    assert_eq!(get(&app, "/api/episodes").await.status, StatusCode::INTERNAL_SERVER_ERROR);
+}

@@ -1,6 +1,12 @@
 //! The same database for a program that waits: what the command line uses.
 
-use super::{EpisodeId, Origin, Record, SqliteStore, Store, StoreError, Write, now_ms};
+use super::{
+    Episode, EpisodeId, Origin, Page, Record, SqliteStore, Store, StoreError, Write, now_ms, unpack,
+};
+use crate::hangar::Hangar;
+use crate::recover::{RecoverError, recover};
+use crate::verify::{Report, verify_episodes};
+use cohelm::registry::Plants;
 use cohelm::trajectory::Trajectory;
 use cohelm_copilot::Models;
 use std::future::Future;
@@ -70,8 +76,55 @@ impl Archive {
     }
 }
 
+/// What the command line asks of it.
+impl Archive {
+    /// A part of the list of episodes, newest first.
+    pub fn episodes(&self, page: Page) -> Result<Vec<Episode>, StoreError> {
+        self.wait(self.store.episodes(page))
+    }
+
+    /// The record of a finished episode; `None` if there is none.
+    pub fn trajectory(&self, id: EpisodeId) -> Result<Option<Trajectory>, StoreError> {
+        let Some(packed) = self.wait(self.store.record(id))? else { return Ok(None) };
+        Ok(Some(Trajectory::from_bytes(&unpack(&packed)?)?))
+    }
+
+    /// Flies every finished episode again, on all cores.
+    pub fn verify(&self, plants: Plants, models: Models) -> Result<Report, StoreError> {
+        self.wait(verify_episodes(&Hangar::new(plants, models, self.store())))
+    }
+
+    /// The record of an interrupted flight up to its last committed tick.
+    pub fn recover(&self, id: EpisodeId, plants: Plants, models: Models) -> Result<Trajectory, RecoverError> {
+        self.wait(recover(&Hangar::new(plants, models, self.store()), id))
+    }
+}
+
 impl Drop for Archive {
     fn drop(&mut self) {
         self.runtime.block_on(self.store.close());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{flown, plants};
+
+    #[test]
+    fn simulated_episodes_are_stored_listed_read_and_verified_without_async() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flights.db");
+        assert!(matches!(Archive::open_existing(&path), Err(StoreError::Missing { .. })));
+        let archive = Archive::open(&path).unwrap();
+        let episodes: Vec<Trajectory> = (0..TOGETHER as u64 + 3).map(|seed| flown(seed % 4)).collect();
+        let ids = archive.add_episodes(&episodes).unwrap();
+        assert_eq!(ids.len(), episodes.len());
+        assert_eq!(archive.episodes(Page::newest(2)).unwrap()[0].id, *ids.last().unwrap());
+        assert_eq!(archive.trajectory(ids[5]).unwrap(), Some(episodes[5].clone()));
+        assert_eq!(archive.trajectory(EpisodeId(9_999)).unwrap(), None);
+        drop(archive);
+        let report = Archive::open_existing(&path).unwrap().verify(plants(), Models::new()).unwrap();
+        assert_eq!((report.identical, report.others), (episodes.len(), vec![]));
     }
 }

@@ -65,6 +65,15 @@ impl SqliteStore {
         self.pool.begin_with("BEGIN IMMEDIATE").await.expect("nobody else writes")
     }
 
+    /// What no method does: forgets models that episodes name.
+    #[cfg(test)]
+    pub(crate) async fn lose_models(&self) {
+        let mut connection = self.pool.acquire().await.expect("a connection");
+        for sql in ["PRAGMA foreign_keys = OFF", "DELETE FROM models", "PRAGMA foreign_keys = ON"] {
+            sqlx::query(sql).execute(&mut *connection).await.expect("it is carried out");
+        }
+    }
+
     fn wrong(&self) -> impl Fn(sqlx::Error) -> StoreError + '_ {
         |error| door::error(&self.path, error)
     }
