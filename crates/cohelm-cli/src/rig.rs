@@ -2,11 +2,12 @@
 
 use anyhow::{Context, Result, bail};
 use cohelm::action::ActionSpace;
+use cohelm::human::Population;
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
 use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Kind, Model, Models, shipped};
-use cohelm_lander::pilots::{Population, participant};
+use cohelm_lander::pilots::participant;
 use std::path::{Path, PathBuf};
 
 /// The plants there are.
@@ -67,8 +68,8 @@ pub fn task(plant: &str, options: &[String]) -> Result<Task> {
         let Some((name, value)) = option.split_once('=') else {
             bail!("an option of the plant is written NAME=VALUE, got {option:?}");
         };
-        let value = serde_json::from_str(value).unwrap_or_else(|_| value.into());
-        task = task.with::<serde_json::Value>(name, value);
+        let value = serde_json::from_str(value).unwrap_or_else(|_| serde_json::Value::from(value));
+        task = task.with(name, value);
     }
     Ok(task)
 }
@@ -84,3 +85,6 @@ pub fn simulated_person(
         .map(|pilot| Box::new(pilot) as Box<dyn Pilot>)
         .map_err(|error| error.to_string())
 }
+
+/// The draw from which the pilots that intent learns from come; no participant comes from it.
+pub const TRAINING_PILOTS: u64 = 0x7261_696e;

@@ -36,7 +36,9 @@ fn dependencies(manifest: &Path) -> BTreeSet<String> {
 fn the_code_map_agrees_with_the_manifests() {
     let folders = fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path());
     let manifests: BTreeMap<String, BTreeSet<String>> = folders
-        .map(|path| (path.file_name().unwrap().to_string_lossy().into(), dependencies(&path.join("Cargo.toml"))))
+        .map(|path| {
+            (path.file_name().unwrap().to_string_lossy().into(), dependencies(&path.join("Cargo.toml")))
+        })
         .collect();
     assert_eq!(manifests, map());
 }

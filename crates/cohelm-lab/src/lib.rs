@@ -7,4 +7,5 @@
 pub mod episode;
 pub mod experiment;
 pub mod parallel;
+pub mod reproduce;
 pub mod results;

@@ -69,7 +69,8 @@ impl Lander {
                 theirs.push(gymnasium_rate(python, self.steps)?);
             }
         }
-        let (ours_median, theirs_median) = (median(&mut ours), (!theirs.is_empty()).then(|| median(&mut theirs)));
+        let (ours_median, theirs_median) =
+            (median(&mut ours), (!theirs.is_empty()).then(|| median(&mut theirs)));
         let ratio = theirs_median.map(|theirs| ours_median / theirs);
         let report = json!({
             "steps": self.steps, "runs": self.runs, "cohelm_steps_per_s": ours_median,
@@ -95,7 +96,8 @@ fn our_rate(steps: usize) -> f64 {
     let actions: Vec<Action> = (0..steps)
         .map(|_| [Action::Nothing, Action::Left, Action::Main, Action::Right][draws.below(4)])
         .collect();
-    let mut lander = GymnasiumLander::new(GymnasiumOptions::default()).expect("the usual options are allowed");
+    let mut lander =
+        GymnasiumLander::new(GymnasiumOptions::default()).expect("the usual options are allowed");
     let mut seed = 0;
     lander.reset(seed);
     let begun = Instant::now();
@@ -122,7 +124,8 @@ fn gymnasium_rate(python: &PathBuf, steps: usize) -> Result<f64> {
     if !output.status.success() {
         bail!("{} failed; does it have gymnasium[box2d]==1.4.0?", python.display());
     }
-    let report: serde_json::Value = serde_json::from_slice(&output.stdout).context("the script printed no JSON")?;
+    let report: serde_json::Value =
+        serde_json::from_slice(&output.stdout).context("the script printed no JSON")?;
     report["steps_per_s"].as_f64().context("the script printed no rate")
 }
 
@@ -153,8 +156,15 @@ fn nets_text(measured: &Timings) -> String {
         .iter()
         .map(|timing| {
             let floor = timing.floor_us.map_or("–".into(), |floor| format!("{floor:.1}"));
-            let times = timing.floor_us.map_or("–".into(), |floor| format!("{:.2}", timing.median_us / floor));
-            vec![timing.name.into(), format!("{:.2}", timing.median_us), format!("{:.2}", timing.best_us), floor, times]
+            let times =
+                timing.floor_us.map_or("–".into(), |floor| format!("{:.2}", timing.median_us / floor));
+            vec![
+                timing.name.into(),
+                format!("{:.2}", timing.median_us),
+                format!("{:.2}", timing.best_us),
+                floor,
+                times,
+            ]
         })
         .collect();
     let heading = format!("one core, kernel {}, floor at {:.0} GFLOP/s", measured.kernel, measured.gflops);

@@ -47,7 +47,15 @@ impl Evaluate {
             None => rig::model_for(&models, Kind::Values, &task, plant.space())?.clone(),
         };
         let threads = threads(self.threads);
-        let job = Job { plants: &plants, task: &task, seed: self.seed, threads, name: &model.card().name, variant: None };
+        let job = Job {
+            plants: &plants,
+            task: &task,
+            seed: self.seed,
+            threads,
+            checkpoints: None,
+            name: &model.card().name,
+            variant: None,
+        };
         let flown = evaluate(&job, &model, self.seed, self.episodes)?;
         let report = json!({ "model": model.card().name, "hash": model.hash(), "seed": self.seed, "evaluation": flown });
         self.format.print(&report, |_| {

@@ -1,0 +1,58 @@
+//! `cohelm episodes`: what is stored.
+
+use crate::output::{Format, table};
+use anyhow::{Context, Result};
+use clap::Args;
+use cohelm_server::store::{Episode, Page, Progress, SqliteStore, Store};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Lists stored episodes, newest first.
+#[derive(Args)]
+pub struct Episodes {
+    /// Where flights are stored.
+    #[arg(long, default_value = "cohelm.db", value_name = "FILE")]
+    database: PathBuf,
+    /// Most episodes to list.
+    #[arg(long, default_value_t = 50)]
+    limit: u32,
+    #[command(flatten)]
+    format: Format,
+}
+
+impl Episodes {
+    /// Runs the command.
+    pub fn run(self) -> Result<ExitCode> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let episodes = runtime.block_on(async {
+            let store = SqliteStore::open_existing(&self.database).await;
+            let store = store.with_context(|| format!("the database {}", self.database.display()))?;
+            let episodes = store.episodes(Page::newest(self.limit)).await?;
+            store.close().await;
+            anyhow::Ok(episodes)
+        })?;
+        self.format.print(&episodes, |episodes| {
+            let rows: Vec<Vec<String>> = episodes.iter().map(row).collect();
+            table(&["episode", "plant", "rule", "pilot", "seed", "ticks", "time scale", "ending"], &rows)
+        });
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn row(episode: &Episode) -> Vec<String> {
+    let ending = match &episode.progress {
+        Progress::InTheAir => "in the air".into(),
+        Progress::Finished { ending } => ending.word().into(),
+        Progress::Refused { .. } => "refused".into(),
+    };
+    vec![
+        episode.id.0.to_string(),
+        episode.plant.clone(),
+        episode.rule.clone(),
+        episode.pilot.clone(),
+        episode.seed.to_string(),
+        episode.ticks.to_string(),
+        format!("{}×", episode.time_scale),
+        ending,
+    ]
+}

@@ -1,0 +1,91 @@
+//! `cohelm fly`: the page, the co-pilot and the database, from one program.
+
+use crate::rig;
+use anyhow::{Context, Result};
+use clap::Args;
+use cohelm_server::hosts::Hosts;
+use cohelm_server::page::Assets;
+use cohelm_server::store::SqliteStore;
+use cohelm_server::{Parts, Server, bind, serve};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Serves the page in which a person flies with the co-pilot. Every flight is stored and can be watched again.
+#[derive(Args)]
+pub struct Fly {
+    /// Port on this machine; 0 for any free one.
+    #[arg(long, default_value_t = 8080)]
+    port: u16,
+    /// Where flights are stored; made if it is not there.
+    #[arg(long, default_value = "cohelm.db", value_name = "FILE")]
+    database: PathBuf,
+    /// More models, files or folders, beside the shipped ones.
+    #[arg(long = "model", value_name = "PATH")]
+    models: Vec<PathBuf>,
+    /// Learn while people fly (Algorithm 1, live): the values get better from flight to flight.
+    #[arg(long)]
+    learn: bool,
+}
+
+impl Fly {
+    /// Runs the command until Ctrl-C.
+    pub fn run(self) -> Result<ExitCode> {
+        start_log();
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+        runtime.block_on(self.serve())?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    async fn serve(self) -> Result<()> {
+        let listener = bind(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), self.port)).await?;
+        let store = open(&self.database).await?;
+        let (plants, models) = (rig::plants(), rig::models(&self.models)?);
+        let lessons = None;
+        let parts = Parts {
+            store: store.clone(),
+            plants,
+            models,
+            lessons,
+            hosts: Hosts::loopback(),
+            assets: Assets::embedded(),
+        };
+        let server = Server::start(parts).await?;
+        println!("cohelm flies at http://{}", listener.local_addr()?);
+        println!("flights are stored in {}; Ctrl-C ends", self.database.display());
+        serve(listener, server, stop_signal()).await?;
+        store.close().await;
+        Ok(())
+    }
+}
+
+/// Opens the database of flights, or makes it.
+pub async fn open(database: &Path) -> Result<Arc<SqliteStore>> {
+    let store = SqliteStore::open(database).await;
+    Ok(Arc::new(store.with_context(|| format!("the database {}", database.display()))?))
+}
+
+/// Done when somebody asks the program to end.
+async fn stop_signal() {
+    let interrupted = tokio::signal::ctrl_c();
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        if let Ok(mut terminated) = signal(SignalKind::terminate()) {
+            tokio::select! {
+                _ = interrupted => {}
+                _ = terminated.recv() => {}
+            }
+            return;
+        }
+    }
+    let _ = interrupted.await;
+}
+
+/// Writes what runs long to standard error; RUST_LOG says how much (warnings unless it is set).
+fn start_log() {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env();
+    let filter = filter.unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+}
