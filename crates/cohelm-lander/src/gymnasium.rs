@@ -314,3 +314,56 @@ fn shaping(&[x, y, vx, vy, angle, _, first_leg, second_leg]: &[f64; 8]) -> f64 {
 fn observation(state: &[f64; 8]) -> Observation {
     state.map(|value| value as f32)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_that_gymnasium_refuses_or_cannot_compute_with_are_refused() {
+        let usual = GymnasiumOptions::default();
+        for gravity in [0.0, -12.0, f64::NAN] {
+            let refused = GymnasiumLander::new(GymnasiumOptions { gravity, ..usual });
+            assert!(matches!(refused, Err(OptionError::Gravity(_))), "{gravity}");
+        }
+        let refused = GymnasiumLander::new(GymnasiumOptions { wind_power: f64::INFINITY, ..usual });
+        let error = OptionError::NotFinite { name: "wind_power", value: f64::INFINITY };
+        assert_eq!(refused.err(), Some(error));
+    }
+
+    #[test]
+    fn throttles_have_dead_zones_and_start_at_half_power() {
+        let engines = |main, lateral| {
+            let Engines { main, left, right } = Action::Throttles([main, lateral]).engines();
+            [main, left, right]
+        };
+        assert_eq!(engines(0.0, 0.5), [0.0, 0.0, 0.0]);
+        assert_eq!(engines(0.5, -0.75), [0.75, 0.75, 0.0]);
+        assert_eq!(engines(2.0, 2.0), [1.0, 0.0, 1.0]);
+        assert_eq!(engines(f32::NAN, f32::NAN), [0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_time_limit_cuts_off_a_flight_that_hovers() {
+        let mut lander = GymnasiumLander::usual();
+        let mut observation = lander.reset(4);
+        let ending = loop {
+            let [_, y, vx, vy, angle, spin, ..] = observation;
+            let lean = angle + 0.5 * spin - 0.5 * vx;
+            let side = if lean > 0.05 {
+                1.0
+            } else if lean < -0.05 {
+                -1.0
+            } else {
+                0.0
+            };
+            let main = if vy < 0.5 * (0.7 - y) { 1.0 } else { -1.0 };
+            let outcome = lander.step(Action::Throttles([main, side]));
+            observation = outcome.observation;
+            if let Some(ending) = outcome.ending {
+                break ending;
+            }
+        };
+        assert_eq!((ending, lander.ticks()), (Ending::TimeLimit, TIME_LIMIT));
+    }
+}
