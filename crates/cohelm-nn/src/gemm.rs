@@ -133,11 +133,12 @@ impl WithSimd for Multiply<'_> {
         loop {
             let last = inner.min(first + PASS);
             let pass = Pass { simd, product, around, inner: first..last };
-            // 24 sums of 16 lanes fill the 32 registers of AVX-512, 12 the 16 registers of the others.
-            if S::F32_LANES == 16 {
-                pass.columns::<6, 4>(c)
+            // As many sums as leave registers for a row of b: AVX-512 and NEON have 32 of them, AVX2 has 16.
+            // One sum too many and the compiler keeps them all in memory, at half the speed.
+            if S::F32_LANES == 16 || cfg!(target_arch = "aarch64") {
+                pass.columns::<6, 4>(c);
             } else {
-                pass.columns::<6, 2>(c)
+                pass.columns::<4, 3>(c);
             }
             first = last;
             if first == inner {
