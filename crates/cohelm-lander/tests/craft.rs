@@ -83,3 +83,11 @@ fn every_note_is_box2d_s() {
     }
     assert!(notes > 300 && woken > 3, "{notes} notes, woken {woken} times: too little was recorded");
 }
+
+/// Worlds go to threads, and snapshots into replay memories.
+#[test]
+fn a_craft_is_plain_data() {
+    fn plain<T: Clone + Send + Sync + PartialEq + 'static>() {}
+    plain::<Craft>();
+    plain::<cohelm_lander::gymnasium::GymnasiumLander>();
+}

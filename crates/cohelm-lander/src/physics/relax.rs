@@ -8,7 +8,7 @@
 use super::hinge_row::{HingeRow, Push, Sums, Twist};
 use super::lanes::Lanes;
 
-/// Longest cycle of velocities that is looked for. In recorded flights nineteen in twenty are of one or two states.
+/// Longest cycle of velocities that is looked for. In random and controlled flights nine in ten are of one or two states.
 const LONGEST_CYCLE: usize = 8;
 
 /// Twists of hull, first leg, second leg.
@@ -42,10 +42,10 @@ type Iteration = (Twists<1>, [Push<1>; 2]);
 impl Hinges<1> {
     /// As many calls of [`Hinges::iterate`], with their bits, in less time.
     pub fn relax(&mut self, twists: &mut Twists<1>, iterations: u32) {
+        let mut cycle = [(*twists, [Push::NONE; 2]); LONGEST_CYCLE];
         let mut left = iterations;
         while left > 0 {
             let anchor = *twists;
-            let mut cycle = [(anchor, [Push::NONE; 2]); LONGEST_CYCLE];
             for length in 1..=LONGEST_CYCLE.min(left as usize) {
                 let before = *twists;
                 cycle[length - 1] = (before, self.iterate(twists));
