@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         threads: arg(2, "2").parse()?,
         name: "trial",
         variant: None,
+        checkpoints: None,
     };
     let begun = Instant::now();
     let mut next = 0;

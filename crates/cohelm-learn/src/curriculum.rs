@@ -2,10 +2,9 @@
 
 use crate::options::NearGoal;
 use cohelm::random::Draws;
-use serde::{Deserialize, Serialize};
 
 /// How far from the goal episodes may begin by now.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curriculum {
     options: Option<NearGoal>,
     difficulty: f64,
@@ -27,19 +26,19 @@ impl Curriculum {
     }
 
     /// The difficulty of the next episode's start, or `None` for an ordinary one.
-    pub fn next_start(&self, draws: &mut Draws) -> Option<f64> {
+    pub fn next_start(&self, draws: &mut Draws) -> Option<f32> {
         let options = self.options?;
         let ordinary = if self.difficulty < 1.0 { options.ordinary } else { options.ordinary_at_last };
         let near = !draws.chance(ordinary);
         let difficulty = draws.uniform(0.0, self.difficulty);
-        near.then_some(difficulty)
+        near.then_some(difficulty as f32)
     }
 
     /// Learns how an episode from a start of that difficulty went. Only the upper half counts: that the easy ones
     /// succeed is old news.
-    pub fn note(&mut self, start: Option<f64>, success: bool) {
+    pub fn note(&mut self, start: Option<f32>, success: bool) {
         let (Some(options), Some(start)) = (self.options, start) else { return };
-        if start <= self.difficulty / 2.0 || self.difficulty >= 1.0 {
+        if f64::from(start) <= self.difficulty / 2.0 || self.difficulty >= 1.0 {
             return;
         }
         self.recent.push(success);
@@ -68,7 +67,7 @@ mod tests {
         let mut steps = vec![curriculum.difficulty()];
         for _ in 0..1000 {
             let hard = curriculum.difficulty();
-            curriculum.note(Some(hard), true);
+            curriculum.note(Some(hard as f32), true);
             if curriculum.difficulty() != hard {
                 steps.push((curriculum.difficulty() * 100.0).round() / 100.0);
             }

@@ -11,13 +11,13 @@ use cohelm::random::mix_seed;
 use cohelm::value::ValueModel;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Model, Network};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Sets the episodes of an evaluation apart from those of training.
 const FRESH: u64 = 0x0065_7661_6c75_6174;
 
 /// How a number of episodes went.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// Episodes flown.
     pub episodes: usize,

@@ -17,6 +17,11 @@ pub(crate) enum Aim {
     Likelihood,
 }
 
+impl Aim {
+    /// Both.
+    pub const BOTH: [Self; 2] = [Self::Position, Self::Likelihood];
+}
+
 /// A network on its way, and its optimiser.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fitting {

@@ -1,5 +1,6 @@
 //! Intent: which goal the pilot wants, by LSTMs that learn from flights in which they took part.
 
+use crate::checkpoint::Checkpoints;
 use crate::fit::{Aim, Fitting};
 use crate::flights::{Flight, Guide, Help, Plan, RULES, fly_all, pilot_of};
 use crate::intent_options::IntentOptions;
@@ -16,10 +17,12 @@ use cohelm_copilot::encode::{INTENT_VERSION, IntentEncoder};
 use cohelm_copilot::model::IntentNetworks;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Card, Kind, Model, Network, TrainedWith};
+use cohelm_nn::adam::Adam;
 use cohelm_nn::goal_head;
 use cohelm_nn::lstm::{Lstm, LstmShape};
-use serde::Serialize;
-use serde_json::json;
+use cohelm_nn::weights::TensorFile;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -80,6 +83,9 @@ pub struct IntentProfile {
 }
 
 /// Trains intent for a value model, with simulated pilots of numbers below [`FIRST_TEST_PILOT`].
+///
+/// Rounds of flying and fitting: first without a network, then with the last one in the loop, all flights so far being
+/// learnt from anew (aggregation). The weights depend on the seed and the value model alone.
 pub fn train_intent(
     job: &Job<'_>,
     values: &Model,
@@ -89,13 +95,15 @@ pub fn train_intent(
 ) -> Result<TrainedIntent, LearnError> {
     let begun = Instant::now();
     let mut training = Training::begin(job, values, options, pilots)?;
-    let mut networks = None;
+    training.resume()?;
     for round in 0..=options.rounds {
-        training.fly(round, networks.as_ref())?;
-        networks = Some(training.fit(round, watch)?);
+        training.fly(round)?;
+        if training.networks.len() <= round as usize {
+            training.fit(round, watch)?;
+        }
     }
     training.profile.wall = begun.elapsed();
-    training.finish(networks.expect("there is at least one round"))
+    training.finish()
 }
 
 struct Training<'a> {
@@ -104,8 +112,13 @@ struct Training<'a> {
     values: &'a Model,
     help: Help<'a>,
     card: Card,
+    checkpoints: Checkpoints,
     sequences: Vec<Sequence>,
     episodes: u64,
+    /// What each finished round gave.
+    networks: Vec<Arc<IntentNetworks>>,
+    /// What the present round has so far, and the epochs that are done.
+    fittings: Option<([Fitting; 2], u32)>,
     profile: IntentProfile,
 }
 
@@ -122,26 +135,27 @@ impl<'a> Training<'a> {
             median_range: values.card().median_range.unwrap_or(f64::NAN),
             pilots,
         };
-        let card = card(job, options, values)?;
+        let card = card(job, json!({ "training": options, "values": values.hash() }))?;
         Ok(Self {
             job,
             options,
             values,
             help,
+            checkpoints: Checkpoints::new(job, "intent.checkpoint", &card.options)?,
             card,
             sequences: Vec::new(),
             episodes: 0,
+            networks: Vec::new(),
+            fittings: None,
             profile: IntentProfile::default(),
         })
     }
 
     /// Flies the episodes of a round and adds them to all before.
-    fn fly(&mut self, round: u32, networks: Option<&Arc<IntentNetworks>>) -> Result<(), LearnError> {
+    fn fly(&mut self, round: u32) -> Result<(), LearnError> {
         let begun = Instant::now();
-        let kinds = match networks {
-            None => first_kinds(),
-            Some(networks) => self.kinds_with(networks),
-        };
+        let before = round.checked_sub(1).and_then(|before| self.networks.get(before as usize));
+        let kinds = before.map_or_else(first_kinds, |networks| self.kinds_with(networks));
         let episodes =
             if round == 0 { self.options.first_episodes * kinds.len() } else { self.options.round_episodes };
         let plans: Vec<Plan> = (0..episodes)
@@ -166,51 +180,92 @@ impl<'a> Training<'a> {
     }
 
     /// Fits both networks, from nothing, to all flights so far.
-    fn fit(&mut self, round: u32, watch: Watch<'_>) -> Result<Arc<IntentNetworks>, LearnError> {
+    fn fit(&mut self, round: u32, watch: Watch<'_>) -> Result<(), LearnError> {
         let begun = Instant::now();
-        let mut fittings = [Aim::Position, Aim::Likelihood].map(|aim| self.fresh(aim, round));
-        for epoch in 0..self.options.epochs {
-            let losses = parallel::map_mut(&mut fittings, self.job.threads, |(aim, fitting)| {
-                let seed = mix_seed(self.job.seed, stream::ORDER + *aim as u64);
-                let mut draws = Draws::fork(mix_seed(seed, round.into()), epoch.into());
-                fitting.epoch(&self.sequences, *aim, epoch, self.options, &mut draws)
-            });
-            let progress = Progress {
-                stage: format!("intent, round {round} of {}", self.options.rounds),
-                done: u64::from(epoch) + 1,
-                total: self.options.epochs.into(),
-                numbers: vec![
-                    ("flights", self.sequences.len() as f64),
-                    ("squared error", losses[0]),
-                    ("cross-entropy", losses[1]),
-                ],
-            };
-            if watch(&progress).is_break() {
+        let (mut fittings, first) = match self.fittings.take() {
+            Some(interrupted) => interrupted,
+            None => (self.fresh(round), 0),
+        };
+        for epoch in first..self.options.epochs {
+            let seed = mix_seed(self.job.seed, round.into());
+            let losses = fit_epoch(&mut fittings, &self.sequences, (epoch, seed), self.options, self.job);
+            check(losses, &fittings)?;
+            let stopped = watch(&self.progress(round, epoch, losses)).is_break();
+            if stopped || self.checkpoints.is_due() {
+                self.save(&fittings, epoch + 1)?;
+            }
+            if stopped {
                 return Err(LearnError::Stopped);
             }
-            if losses.iter().any(|loss| !loss.is_finite()) {
-                return Err(LearnError::Diverged { updates: fittings[0].1.adam.steps() });
-            }
         }
-        let [(_, regression), (_, calibrated)] = fittings;
+        let [regression, calibrated] = fittings.map(|fitting| fitting.network);
+        self.networks.push(Arc::new(IntentNetworks { regression, calibrated }));
         self.profile.fit += begun.elapsed();
-        Ok(Arc::new(IntentNetworks { regression: regression.network, calibrated: calibrated.network }))
+        Ok(())
     }
 
-    fn fresh(&self, aim: Aim, round: u32) -> (Aim, Fitting) {
-        let seed = mix_seed(self.job.seed, stream::WEIGHTS + aim as u64);
-        let mut draws = Draws::fork(seed, round.into());
-        let shape = shape(&self.card, aim, self.options.cells);
-        (aim, Fitting::begin(Lstm::new(shape, || draws.unit() as f32), self.options))
+    fn fresh(&self, round: u32) -> [Fitting; 2] {
+        Aim::BOTH.map(|aim| {
+            let seed = mix_seed(self.job.seed, stream::WEIGHTS + aim as u64);
+            let mut draws = Draws::fork(seed, round.into());
+            let shape = shape(&self.card, aim, self.options.cells);
+            Fitting::begin(Lstm::new(shape, || draws.unit() as f32), self.options)
+        })
+    }
+
+    fn progress(&self, round: u32, epoch: u32, [squared_error, cross_entropy]: [f64; 2]) -> Progress {
+        Progress {
+            stage: format!("intent, round {round} of {}", self.options.rounds),
+            done: u64::from(epoch) + 1,
+            total: self.options.epochs.into(),
+            numbers: vec![
+                ("flights", self.sequences.len() as f64),
+                ("squared error", squared_error),
+                ("cross-entropy", cross_entropy),
+            ],
+        }
+    }
+
+    /// Writes down what cannot be made again: the flights can.
+    fn save(&mut self, fittings: &[Fitting; 2], epochs: u32) -> Result<(), LearnError> {
+        let mut file = TensorFile::new();
+        for (round, networks) in self.networks.iter().enumerate() {
+            networks.regression.save(&mut file, &format!("round.{round}.regression."));
+            networks.calibrated.save(&mut file, &format!("round.{round}.calibrated."));
+        }
+        for (fitting, place) in fittings.iter().zip(["regression.", "calibrated."]) {
+            fitting.network.save(&mut file, &format!("network.{place}"));
+            fitting.adam.save(&mut file, &format!("adam.{place}"));
+        }
+        self.checkpoints.write(file, &State { rounds: self.networks.len(), epochs })
+    }
+
+    /// Takes the weights of a checkpoint, if there is one. Flights are flown again.
+    fn resume(&mut self) -> Result<(), LearnError> {
+        let Some((file, state)) = self.checkpoints.read::<State>()? else { return Ok(()) };
+        let network = |prefix: String| self.checkpoints.check(Lstm::load(&file, &prefix));
+        let fitting = |place: &str| {
+            let network = network(format!("network.{place}"))?;
+            let adam = Adam::load(&file, &format!("adam.{place}"), network.params().len());
+            Ok::<_, LearnError>(Fitting { adam: self.checkpoints.check(adam)?, network })
+        };
+        let rounds = (0..state.rounds).map(|round| {
+            let regression = network(format!("round.{round}.regression."))?;
+            let calibrated = network(format!("round.{round}.calibrated."))?;
+            Ok::<_, LearnError>(Arc::new(IntentNetworks { regression, calibrated }))
+        });
+        let networks = rounds.collect::<Result<_, _>>()?;
+        let fittings = [fitting("regression.")?, fitting("calibrated.")?];
+        (self.networks, self.fittings) = (networks, Some((fittings, state.epochs)));
+        Ok(())
     }
 
     /// Scores the last networks with pilots that they never met.
-    fn finish(mut self, networks: Arc<IntentNetworks>) -> Result<TrainedIntent, LearnError> {
+    fn finish(mut self) -> Result<TrainedIntent, LearnError> {
         let begun = Instant::now();
+        let networks = self.networks.pop().expect("there is at least one round");
         let (closed_loop, sequences) = self.test(&networks)?;
-        let sequences: Vec<&Sequence> = sequences.iter().collect();
-        let scores =
-            parallel::map(Head::ALL.len(), self.job.threads, |i| score(&networks, Head::ALL[i], &sequences));
+        let scores = score_all(&networks, &sequences.iter().collect::<Vec<_>>(), self.job);
         self.profile.score = begun.elapsed();
         self.profile.wall += self.profile.score;
         let card = Card {
@@ -242,6 +297,46 @@ impl<'a> Training<'a> {
     }
 }
 
+/// What a checkpoint says beside weights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct State {
+    /// Finished rounds.
+    rounds: usize,
+    /// Finished epochs of the round after them.
+    epochs: u32,
+}
+
+/// Goes through all sequences once with both networks; returns their mean losses a tick.
+pub(crate) fn fit_epoch(
+    fittings: &mut [Fitting; 2],
+    sequences: &[Sequence],
+    (epoch, seed): (u32, u64),
+    options: &IntentOptions,
+    job: &Job<'_>,
+) -> [f64; 2] {
+    let mut fittings: Vec<(Aim, &mut Fitting)> = Aim::BOTH.into_iter().zip(fittings.iter_mut()).collect();
+    let losses = parallel::map_mut(&mut fittings, job.threads, |(aim, fitting)| {
+        let mut draws = Draws::fork(mix_seed(seed, stream::ORDER + *aim as u64), epoch.into());
+        fitting.epoch(sequences, *aim, epoch, options, &mut draws)
+    });
+    [losses[0], losses[1]]
+}
+
+/// Refuses losses that are no numbers.
+pub(crate) fn check(losses: [f64; 2], fittings: &[Fitting; 2]) -> Result<(), LearnError> {
+    let finite = losses.iter().all(|loss| loss.is_finite());
+    if finite { Ok(()) } else { Err(LearnError::Diverged { updates: fittings[0].adam.steps() }) }
+}
+
+/// Scores all heads on flights.
+pub(crate) fn score_all(
+    networks: &IntentNetworks,
+    sequences: &[&Sequence],
+    job: &Job<'_>,
+) -> Vec<HeadScores> {
+    parallel::map(Head::ALL.len(), job.threads, |i| score(networks, Head::ALL[i], sequences))
+}
+
 /// How episodes are flown before there is a network: a person alone, one whom values that know the goal help a little,
 /// and one whom they do not let fly.
 fn first_kinds() -> Vec<(Rule, Guide)> {
@@ -252,7 +347,7 @@ fn first_kinds() -> Vec<(Rule, Guide)> {
     ]
 }
 
-fn shape(card: &Card, aim: Aim, cells: usize) -> LstmShape {
+pub(crate) fn shape(card: &Card, aim: Aim, cells: usize) -> LstmShape {
     let encoder = IntentEncoder::new(card.space.commands(), card.state, card.goals);
     let (input, output) = match aim {
         Aim::Position => (encoder.without_goals(), 2),
@@ -276,7 +371,8 @@ fn values_of(job: &Job<'_>, model: &Model) -> Result<NetworkValues, LearnError> 
     values.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))
 }
 
-fn card(job: &Job<'_>, options: &IntentOptions, values: &Model) -> Result<Card, LearnError> {
+/// The card of intent networks for the job's plant, without scores.
+pub(crate) fn card(job: &Job<'_>, options: Value) -> Result<Card, LearnError> {
     let plant = job.plant()?;
     let view = plant.view();
     if view.goals.len() < 2 {
@@ -297,7 +393,7 @@ fn card(job: &Job<'_>, options: &IntentOptions, values: &Model) -> Result<Card, 
         sees_asked: false,
         free_outputs: false,
         seed: job.seed,
-        options: json!({ "training": options, "values": values.hash() }),
+        options,
         trained_with: TrainedWith {
             cohelm: env!("CARGO_PKG_VERSION").into(),
             kernel: cohelm_nn::kernel_name(),

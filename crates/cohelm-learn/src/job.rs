@@ -5,7 +5,7 @@ use cohelm::plant::Plant;
 use cohelm::registry::{Plants, Task, TaskError};
 use cohelm_copilot::ModelError;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Makes the simulated pilot of a number: the same person for the same number. The plant tells the actions there are.
 pub type PilotFactory<'a> = &'a (dyn Fn(&dyn Plant, u64) -> Result<Box<dyn Pilot>, String> + Sync);
@@ -21,6 +21,8 @@ pub struct Job<'a> {
     pub seed: u64,
     /// Threads to use. The weights do not depend on it.
     pub threads: NonZeroUsize,
+    /// Where checkpoints are kept; `None` for nowhere. A training that finds one of its own there goes on from it.
+    pub checkpoints: Option<&'a Path>,
     /// What the model will be called; see [`Card::name`](cohelm_copilot::Card::name).
     pub name: &'a str,
     /// See [`Card::variant`](cohelm_copilot::Card::variant).

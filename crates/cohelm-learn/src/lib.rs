@@ -10,6 +10,7 @@
 //! output but the checkpoints it is asked for, and prints nothing: progress goes to a callback.
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 mod curriculum;
 pub mod evaluate;
 mod fit;
@@ -18,10 +19,12 @@ pub mod intent;
 pub mod intent_options;
 mod job;
 mod learner;
+pub mod live;
 mod memory;
 mod mirrored;
 pub mod options;
 mod parallel;
+pub mod people;
 mod progress;
 mod score;
 mod sequence;
@@ -34,7 +37,9 @@ pub use evaluate::{Evaluation, evaluate};
 pub use intent::{ClosedLoop, FIRST_TEST_PILOT, IntentProfile, TrainedIntent, train_intent};
 pub use intent_options::IntentOptions;
 pub use job::{Job, LearnError, PilotFactory};
+pub use live::{LiveLearner, LiveOptions};
 pub use options::ValueOptions;
+pub use people::{IntentOfPeople, RecordedFlight, train_intent_from};
 pub use progress::{Profile, Progress, Watch};
 pub use score::{HeadScores, IntentScore};
 pub use values::{TrainedValues, train_values};

@@ -1,5 +1,6 @@
 //! Values: what every command is worth, by double DQN from nothing but flying.
 
+use crate::checkpoint::Checkpoints;
 use crate::curriculum::Curriculum;
 use crate::evaluate::{Evaluation, fly_fresh, median_range};
 use crate::job::{Job, LearnError, PilotFactory};
@@ -9,14 +10,17 @@ use crate::mirrored::MirroredInput;
 use crate::options::{Exploration, Target, Updates, ValueOptions};
 use crate::parallel;
 use crate::progress::{Profile, Progress, Watch};
-use crate::world::{Flown, Policy, World, outputs_of};
+use crate::world::{Flown, Log, Policy, World, outputs_of};
 use cohelm::plant::Ending;
 use cohelm::random::{Draws, mix_seed};
 use cohelm_copilot::encode::{VALUES_VERSION, ValueEncoder};
 use cohelm_copilot::outputs::Outputs;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Card, Kind, Model, TrainedWith};
+use cohelm_nn::adam::Adam;
 use cohelm_nn::mlp::{Head, Mlp, MlpShape};
+use cohelm_nn::weights::TensorFile;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::sync::Arc;
 use std::time::Instant;
@@ -47,7 +51,7 @@ pub struct TrainedValues {
 ///
 /// Rounds are fixed: the worlds fly a few steps, side by side on all threads, with the network as it is; then the network
 /// does the updates that ended episodes have earned (K of Algorithm 1). The weights depend on the seed alone, not on the
-/// number of threads.
+/// number of threads, nor on whether it was interrupted: with a folder for checkpoints it goes on from the last one.
 pub fn train_values(
     job: &Job<'_>,
     options: &ValueOptions,
@@ -56,12 +60,18 @@ pub fn train_values(
 ) -> Result<TrainedValues, LearnError> {
     let begun = Instant::now();
     let mut training = Training::begin(job, options, pilots)?;
+    let mut checkpoints = Checkpoints::new(job, "values.checkpoint", options)?;
+    training.resume(&checkpoints)?;
     while training.steps() < options.steps {
         training.round()?;
         if training.validation_is_due() {
             training.validate()?;
         }
-        if watch(&training.progress()).is_break() {
+        let stopped = watch(&training.progress()).is_break();
+        if stopped || checkpoints.is_due() {
+            training.save(&mut checkpoints)?;
+        }
+        if stopped {
             return Err(LearnError::Stopped);
         }
     }
@@ -231,6 +241,67 @@ impl<'a> Training<'a> {
         Ok(())
     }
 
+    /// Writes everything down that cannot be made again. The replay memory can: what was carried out leads through the
+    /// same states.
+    fn save(&mut self, checkpoints: &mut Checkpoints) -> Result<(), LearnError> {
+        let begun = Instant::now();
+        let mut file = TensorFile::new();
+        let Weights { online, target, average, adam } = &self.learner.weights;
+        for (network, prefix) in [(online, "online."), (target, "target."), (average, "average.")] {
+            network.save(&mut file, prefix);
+        }
+        adam.save(&mut file, "adam.");
+        if let Some((_, best)) = &self.best {
+            best.save(&mut file, "best.");
+        }
+        for (number, world) in self.worlds.iter().enumerate() {
+            world.log.save(number, &mut file);
+        }
+        let best = self.best.as_ref().map(|(evaluation, _)| evaluation.clone());
+        let episodes = self.worlds.iter().map(|world| world.log.starts.len()).collect();
+        let state = State { rounds: self.rounds, episodes, validations: self.validations, best };
+        checkpoints.write(file, &state)?;
+        self.profile.save += begun.elapsed();
+        Ok(())
+    }
+
+    /// Goes on from a checkpoint, if there is one: flies all rounds again from the logs, then takes the weights.
+    fn resume(&mut self, checkpoints: &Checkpoints) -> Result<(), LearnError> {
+        let begun = Instant::now();
+        let Some((file, state)) = checkpoints.read::<State>()? else { return Ok(()) };
+        let steps = state.rounds as usize * ROUND_STEPS;
+        let commands = self.outputs.commands();
+        let log = |(world, &episodes)| Log::load(&file, world, [episodes, steps], commands);
+        let logs: Vec<Log> = checkpoints.check(state.episodes.iter().enumerate().map(log).collect())?;
+        if logs.len() != self.worlds.len() {
+            return Err(checkpoints.wrong(&"it has another number of worlds: delete it"));
+        }
+        while self.rounds < state.rounds {
+            let policy = Policy::Logged(&logs);
+            parallel::map_mut(&mut self.worlds, self.job.threads, |world| world.fly(ROUND_STEPS, policy));
+            self.take_in();
+            self.due();
+        }
+        if self.worlds.iter().zip(&logs).any(|(world, log)| world.log != *log) {
+            return Err(checkpoints.wrong(&"its flights end elsewhere now: delete it"));
+        }
+        let network = |prefix| checkpoints.check(Mlp::load(&file, prefix));
+        let parameters = self.learner.weights.online.params().len();
+        self.learner.weights = Weights {
+            online: network("online.")?,
+            target: network("target.")?,
+            average: network("average.")?,
+            adam: checkpoints.check(Adam::load(&file, "adam.", parameters))?,
+        };
+        self.best = match state.best {
+            Some(evaluation) => Some((evaluation, network("best.")?)),
+            None => None,
+        };
+        self.validations = state.validations;
+        self.profile.resume = begun.elapsed();
+        Ok(())
+    }
+
     fn progress(&self) -> Progress {
         let best = self.best.as_ref().map_or(f64::NAN, |(evaluation, _)| evaluation.landed);
         Progress {
@@ -289,6 +360,16 @@ impl<'a> Training<'a> {
             scores: json!({}),
         })
     }
+}
+
+/// What a checkpoint says beside weights and logs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    rounds: u64,
+    /// Episodes that each world has begun.
+    episodes: Vec<usize>,
+    validations: u32,
+    best: Option<Evaluation>,
 }
 
 /// The last numbers of the learning curve.

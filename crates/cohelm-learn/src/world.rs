@@ -18,6 +18,7 @@ use cohelm::value::ActionValues;
 use cohelm_copilot::encode::ValueEncoder;
 use cohelm_copilot::outputs::Outputs;
 use cohelm_nn::mlp::{Mlp, MlpScratch};
+use cohelm_nn::weights::{TensorFile, WeightsError};
 
 /// c in Eq. 3 where pilots steer in training: the mean of the paper's confidence.
 const CONFIDENCE_IN_TRAINING: f32 = 0.6;
@@ -58,15 +59,45 @@ mod stream {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Log {
     /// The start of each episode: its difficulty, or `None` for an ordinary one.
-    pub starts: Vec<Option<f64>>,
+    pub starts: Vec<Option<f32>>,
     /// The command of each step.
     pub executed: Vec<u8>,
 }
 
+impl Log {
+    /// Puts the log of a world into a checkpoint.
+    pub fn save(&self, world: usize, file: &mut TensorFile) {
+        let starts: Vec<f32> = self.starts.iter().map(|start| start.unwrap_or(ORDINARY)).collect();
+        let executed: Vec<f32> = self.executed.iter().map(|&command| command.into()).collect();
+        file.insert(format!("log.{world}.starts"), &[starts.len()], starts);
+        file.insert(format!("log.{world}.executed"), &[executed.len()], executed);
+    }
+
+    /// Takes it out again: that many episodes and steps, of commands below `commands`.
+    pub fn load(
+        file: &TensorFile,
+        world: usize,
+        [episodes, steps]: [usize; 2],
+        commands: usize,
+    ) -> Result<Self, WeightsError> {
+        let numbers = |part: &str, length| file.tensor(&format!("log.{world}.{part}"), &[length]);
+        let starts = numbers("starts", episodes)?.iter().map(|&start| (start >= 0.0).then_some(start));
+        // A float becomes the nearest command there is, whatever it is.
+        let command = |&command: &f32| (command as usize).min(commands - 1) as u8;
+        Ok(Self {
+            starts: starts.collect(),
+            executed: numbers("executed", steps)?.iter().map(command).collect(),
+        })
+    }
+}
+
+/// Stands for an ordinary start in a checkpoint.
+const ORDINARY: f32 = -1.0;
+
 /// How a finished episode went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Flown {
-    pub start: Option<f64>,
+    pub start: Option<f32>,
     /// `None` if the trainer's own limit cut it off.
     pub ending: Option<Ending>,
     pub steps: u32,
@@ -79,13 +110,13 @@ pub(crate) struct Flown {
 pub(crate) enum Policy<'a> {
     /// The network, as it was when the round began.
     Network { network: &'a Mlp, curriculum: &'a Curriculum, epsilon: f64, holds: f64, round: u64 },
-    /// What was logged before.
-    Logged(&'a Log),
+    /// What was logged before, a log for each world.
+    Logged(&'a [Log]),
 }
 
 /// A plant, who flies it, and its episode.
 pub(crate) struct World {
-    number: u64,
+    number: usize,
     seed: u64,
     plant: Box<dyn Plant>,
     teacher: bool,
@@ -113,7 +144,7 @@ pub(crate) struct World {
 
 #[derive(Clone, Copy, Debug)]
 struct Episode {
-    start: Option<f64>,
+    start: Option<f32>,
     steps: u32,
 }
 
@@ -143,7 +174,7 @@ impl World {
             ValueEncoder::new(plant.view().state.len(), if options.sees_asked { commands } else { 0 });
         let candidates = (0..commands).map(|command| Action::Command(command as u8)).collect();
         Ok(Self {
-            number: number as u64,
+            number,
             seed: job.seed,
             plant,
             teacher,
@@ -173,7 +204,7 @@ impl World {
         self.flown.clear();
         let mut draws = match policy {
             Policy::Network { round, .. } => {
-                Draws::fork(mix_seed(self.seed, stream::CHOICES + self.number), round)
+                Draws::fork(mix_seed(self.seed, stream::CHOICES + self.number as u64), round)
             }
             Policy::Logged(_) => Draws::new(0),
         };
@@ -198,7 +229,7 @@ impl World {
         self.window.see(&self.input, &mut self.memory);
         let command = match policy {
             Policy::Network { network, epsilon, .. } => self.choose(network, asked, epsilon, draws),
-            Policy::Logged(log) => log.executed[self.log.executed.len()],
+            Policy::Logged(logs) => logs[self.number].executed[self.log.executed.len()],
         };
         self.log.executed.push(command);
         let executed = Action::Command(command);
@@ -215,13 +246,13 @@ impl World {
     fn begin(&mut self, policy: Policy<'_>) -> Episode {
         let start = match policy {
             Policy::Network { curriculum, .. } => {
-                let starts = mix_seed(self.seed, stream::STARTS + self.number);
+                let starts = mix_seed(self.seed, stream::STARTS + self.number as u64);
                 curriculum.next_start(&mut Draws::fork(starts, self.episodes))
             }
-            Policy::Logged(log) => log.starts[self.log.starts.len()],
+            Policy::Logged(logs) => logs[self.number].starts.get(self.log.starts.len()).copied().flatten(),
         };
-        let seed = mix_seed(mix_seed(self.seed, stream::EPISODES + self.number), self.episodes);
-        let near = start.filter(|&difficulty| self.plant.reset_near_goal(seed, difficulty));
+        let seed = mix_seed(mix_seed(self.seed, stream::EPISODES + self.number as u64), self.episodes);
+        let near = start.filter(|&difficulty| self.plant.reset_near_goal(seed, difficulty.into()));
         if near.is_none() {
             self.plant.reset(seed);
         }
@@ -271,7 +302,7 @@ impl World {
         self.outputs.command(best, switches).command().unwrap_or(0) as u8
     }
 
-    fn end(&mut self, start: Option<f64>, ending: Option<Ending>, steps: u32) {
+    fn end(&mut self, start: Option<f32>, ending: Option<Ending>, steps: u32) {
         self.look();
         let terminal = ending.is_some_and(Ending::is_terminal);
         self.window.end(&self.input, terminal, &mut self.memory);
