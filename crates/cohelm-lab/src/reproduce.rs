@@ -6,6 +6,8 @@ mod claims;
 mod figures;
 mod report;
 pub mod sensitivity;
+#[cfg(test)]
+mod tests;
 
 pub use claims::{Trained, claims};
 pub use figures::{figure_2a, figure_2b, figure_2c, looks};

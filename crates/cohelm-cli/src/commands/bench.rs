@@ -3,12 +3,11 @@
 use crate::output::{Format, table};
 use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
-use cohelm::random::Draws;
-use cohelm_lander::gymnasium::{Action, GymnasiumLander, GymnasiumOptions};
+use cohelm_lander::bench::random_flights;
 use cohelm_nn::bench::{Timings, measure};
 use serde_json::json;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
@@ -32,7 +31,7 @@ pub struct Lander {
     runs: usize,
     /// Steps a run.
     #[arg(long, default_value_t = 100_000)]
-    steps: usize,
+    steps: u32,
     #[command(flatten)]
     format: Format,
 }
@@ -91,27 +90,14 @@ impl Lander {
 }
 
 /// Steps a second of our lander with random actions, resets included.
-fn our_rate(steps: usize) -> f64 {
-    let mut draws = Draws::new(1);
-    let actions: Vec<Action> = (0..steps)
-        .map(|_| [Action::Nothing, Action::Left, Action::Main, Action::Right][draws.below(4)])
-        .collect();
-    let mut lander =
-        GymnasiumLander::new(GymnasiumOptions::default()).expect("the usual options are allowed");
-    let mut seed = 0;
-    lander.reset(seed);
+fn our_rate(steps: u32) -> f64 {
     let begun = Instant::now();
-    for action in actions {
-        if lander.step(action).ending.is_some() {
-            seed += 1;
-            lander.reset(seed);
-        }
-    }
-    steps as f64 / begun.elapsed().as_secs_f64()
+    std::hint::black_box(random_flights(steps, 0));
+    f64::from(steps) / begun.elapsed().as_secs_f64()
 }
 
 /// Steps a second of Gymnasium, measured by the script that is part of this program.
-fn gymnasium_rate(python: &PathBuf, steps: usize) -> Result<f64> {
+fn gymnasium_rate(python: &Path, steps: u32) -> Result<f64> {
     let script = include_str!("../../../cohelm-lander/bench/gymnasium_rate.py");
     let mut child = Command::new(python)
         .args(["-", &steps.to_string()])

@@ -1,11 +1,15 @@
 //! `cohelm episodes`: what is stored.
 
 use crate::output::{Format, table};
+use crate::rig;
 use anyhow::{Context, Result};
 use clap::Args;
+use cohelm_server::hangar::Hangar;
 use cohelm_server::store::{Episode, Page, Progress, SqliteStore, Store};
+use cohelm_server::verify_episodes;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Lists stored episodes, newest first.
 #[derive(Args)]
@@ -36,6 +40,33 @@ impl Episodes {
             table(&["episode", "plant", "rule", "pilot", "seed", "ticks", "time scale", "ending"], &rows)
         });
         Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// Flies stored episodes again.
+#[derive(Args)]
+pub struct VerifyEpisodes {
+    /// Where flights are stored.
+    #[arg(long, default_value = "cohelm.db", value_name = "FILE")]
+    database: PathBuf,
+    #[command(flatten)]
+    format: Format,
+}
+
+impl VerifyEpisodes {
+    /// Runs the command; fails if anything differs or cannot be read.
+    pub fn run(self) -> Result<ExitCode> {
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+        let report = runtime.block_on(async {
+            let store = SqliteStore::open_existing(&self.database).await;
+            let store = Arc::new(store.with_context(|| format!("the database {}", self.database.display()))?);
+            let hangar = Hangar::new(rig::plants(), rig::models(&[])?, store.clone());
+            let report = verify_episodes(&hangar).await?;
+            store.close().await;
+            anyhow::Ok(report)
+        })?;
+        self.format.print(&report, ToString::to_string);
+        Ok(if report.holds() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 }
 

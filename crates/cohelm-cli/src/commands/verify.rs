@@ -17,6 +17,8 @@ pub enum Verify {
     Flights(Files),
     /// Compute recorded statistics again; every number must agree to 1e-6 relative.
     Statistics(Files),
+    /// Fly stored episodes again: physics from what was carried out, decisions from what was asked.
+    Episodes(super::episodes::VerifyEpisodes),
 }
 
 /// Files to read.
@@ -35,6 +37,7 @@ impl Verify {
         match self {
             Self::Flights(files) => files.verify(flights),
             Self::Statistics(files) => files.verify(statistics),
+            Self::Episodes(episodes) => episodes.run(),
         }
     }
 }

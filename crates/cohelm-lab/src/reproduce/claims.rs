@@ -122,7 +122,8 @@ fn better_than_constant(results: &Results<'_>) -> Judgement {
 fn needs_no_model(trained: Trained<'_>) -> [Part; 2] {
     let share =
         |option: &str| trained.values.options.get(option).and_then(|value| value.as_f64()).unwrap_or(0.0);
-    let pilots = trained.intent.options.get("pilots").and_then(|value| value.as_u64()).unwrap_or(0);
+    let pilots =
+        trained.intent.options.pointer("/training/pilots").and_then(|value| value.as_u64()).unwrap_or(0);
     let from_nobody = share("pilots") == 0.0 && share("teacher") == 0.0;
     let steered = 100.0 * share("pilots") + 100.0 * share("teacher");
     let values = if from_nobody {
