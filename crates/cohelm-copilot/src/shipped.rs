@@ -24,7 +24,9 @@ pub fn models() -> (Models, Vec<Unusable>) {
     let mut unusable = Vec::new();
     for &(file, bytes) in FILES {
         match Model::from_bytes(bytes) {
-            Ok(model) => drop(models.add_model(model)),
+            Ok(model) => {
+                models.add_model(model);
+            }
             Err(error) => unusable.push(Unusable { file, error }),
         }
     }
