@@ -2,66 +2,119 @@
 
 import type { Ending, Setup } from './core';
 
-/** A model the server has. */
+/** A model that the server has stored, as its list has it. */
 export interface ModelEntry {
   hash: string;
   kind: 'values' | 'intent';
+  name: string;
+  plant: string;
+  /** Whether it came with this program: what was learned or stored by another version is not offered. */
+  offered: boolean;
   card: {
     name: string;
     variant: string | null;
-    task: { plant: string; options: Record<string, unknown> };
+    task: Setup['task'];
     plant_version: number;
     [more: string]: unknown;
   };
 }
 
-/** A row of the list of episodes. */
-export interface EpisodeEntry {
-  id: number | string;
-  started_at: string | number;
-  plant: string;
-  rule: string;
-  pilot: string;
-  seed: number;
-  ending: Ending;
-  ticks: number;
-  time_scale: number;
-  [more: string]: unknown;
-}
+/** How far an episode is. */
+export type Progress =
+  | { state: 'in-the-air' }
+  | { state: 'finished'; ending: Ending }
+  | { state: 'refused'; reason: string };
 
-/** The server answered something else than what was asked for; the message is its own. */
+/** A row of the list of episodes. */
+export type EpisodeEntry = Progress & {
+  id: number;
+  ticks: number;
+  plant: string;
+  plant_version: number;
+  format: number;
+  program: string;
+  rule: string;
+  seed: number;
+  pilot: string;
+  time_scale: number;
+  values: string | null;
+  intent: string | null;
+  setup: Setup;
+  started_at_ms: number;
+  ended_at_ms: number | null;
+};
+
+/** How learning stands, if the server learns. */
+export type LearningStatus =
+  | { learning: false }
+  | {
+      learning: true;
+      plant: string;
+      current: string;
+      shipped: string;
+      kept: string | null;
+      learned: number;
+      waiting: number;
+      left_out: number;
+      failure: string | null;
+    };
+
+/** The server answered something else than what was asked for, in its own words, or not at all. */
 export class ApiError extends Error {}
 
-async function get(path: string): Promise<Response> {
-  const response = await fetch(path, { headers: { accept: 'application/json, */*' } });
-  if (!response.ok) throw new ApiError(`${path}: ${response.status} ${(await response.text()).slice(0, 300)}`);
+async function ask(path: string, method: 'GET' | 'POST' = 'GET'): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, { method });
+  } catch {
+    throw new ApiError('the server cannot be reached');
+  }
+  if (!response.ok) throw new ApiError(await whatIsWrong(response));
   return response;
 }
 
+async function whatIsWrong(response: Response): Promise<string> {
+  try {
+    const said = (await response.json()) as { error?: unknown };
+    if (typeof said.error === 'string') return said.error;
+  } catch {
+    // Words of a stranger, such as a proxy's page, are of no help to anybody here.
+  }
+  return `the server answered ${response.status} ${response.statusText}`.trim();
+}
+
 export async function listModels(): Promise<ModelEntry[]> {
-  const answer = (await (await get('/api/models')).json()) as { models: ModelEntry[] } | ModelEntry[];
-  return Array.isArray(answer) ? answer : answer.models;
+  return ((await (await ask('/api/models')).json()) as { models: ModelEntry[] }).models;
 }
 
 export async function modelBytes(hash: string): Promise<Uint8Array> {
-  return new Uint8Array(await (await get(`/api/models/${hash}`)).arrayBuffer());
+  return new Uint8Array(await (await ask(`/api/models/${hash}`)).arrayBuffer());
 }
 
-export async function listEpisodes(): Promise<EpisodeEntry[]> {
-  const answer = (await (await get('/api/episodes')).json()) as { episodes: EpisodeEntry[] } | EpisodeEntry[];
-  return Array.isArray(answer) ? answer : answer.episodes;
+/** A part of the list of episodes, the newest first; `next` is what to ask for as `before`. */
+export async function listEpisodes(before: number | null = null): Promise<{ episodes: EpisodeEntry[]; next: number | null }> {
+  const answer = await ask(`/api/episodes${before === null ? '' : `?before=${before}`}`);
+  return (await answer.json()) as { episodes: EpisodeEntry[]; next: number | null };
 }
 
-export async function episodeBytes(id: number | string): Promise<Uint8Array> {
-  return new Uint8Array(await (await get(`/api/episodes/${id}`)).arrayBuffer());
+export function recordAddress(id: number): string {
+  return `/api/episodes/${id}`;
 }
 
-/** The co-pilot for a task: the newest usual models made for that plant with those actions. */
-export function chooseModels(models: ModelEntry[], task: Setup['task']): { values: string | null; intent: string | null } {
-  const actions = (options: Record<string, unknown>) => options['actions'] ?? 'switches';
-  const fits = (model: ModelEntry) =>
-    model.card.variant === null && model.card.task.plant === task.plant &&
-    actions(model.card.task.options) === actions(task.options);
-  const newest = (kind: ModelEntry['kind']) => models.filter((model) => model.kind === kind && fits(model)).at(-1)?.hash ?? null;
-  return { values: newest('values'), intent: newest('intent') };
+export async function episodeBytes(id: number): Promise<Uint8Array> {
+  return new Uint8Array(await (await ask(recordAddress(id))).arrayBuffer());
+}
+
+export async function learningStatus(): Promise<LearningStatus> {
+  return (await (await ask('/api/learn')).json()) as LearningStatus;
+}
+
+/** Chooses the values of now for the next start of the server to go on from. */
+export async function keepLearned(): Promise<LearningStatus> {
+  return (await (await ask('/api/learn/keep', 'POST')).json()) as LearningStatus;
+}
+
+/** Goes back to the values that came with the program. */
+export async function returnToShipped(): Promise<LearningStatus> {
+  return (await (await ask('/api/learn/reset', 'POST')).json()) as LearningStatus;
 }

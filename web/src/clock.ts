@@ -1,24 +1,34 @@
-// Fifty ticks a second that do not drift, whatever the display's rate.
+// Ticks that do not drift, whatever the display's rate.
 
 /** How many ticks may be made up for at once; after a longer pause the clock goes on from now instead. */
 const MOST_AT_ONCE = 10;
 
-/** Says how many ticks are due, and how far the present moment lies between the last two. */
+/** Says how many ticks are due, and how far the present moment lies between the last tick and the next. */
 export class TickClock {
   private origin = 0;
   private flown = 0;
   private running = false;
-  /** Ticks that were due more than one tick ago when they were flown. */
+  /** Where between two ticks the clock stands while it does not run. */
+  private held = 0;
+  /** Ticks that were due for longer than a tick when they were flown. */
   late = 0;
 
   constructor(private readonly tickMs: number) {}
 
+  /** Starts, or goes on from where it was paused: not even part of a tick is lost or given. */
   start(nowMs: number): void {
-    this.origin = nowMs - this.flown * this.tickMs;
+    this.origin = nowMs - (this.flown + this.held) * this.tickMs;
     this.running = true;
   }
 
-  pause(): void {
+  pause(nowMs: number): void {
+    this.held = this.between(nowMs);
+    this.running = false;
+  }
+
+  /** Stops for good, on the last tick. */
+  stop(): void {
+    this.held = 1;
     this.running = false;
   }
 
@@ -40,7 +50,7 @@ export class TickClock {
 
   /** Where now lies between the last tick (0) and the next (1). */
   between(nowMs: number): number {
-    if (!this.running) return 1;
+    if (!this.running) return this.held;
     return Math.min(Math.max((nowMs - this.origin) / this.tickMs - this.flown, 0), 1);
   }
 }

@@ -117,6 +117,13 @@ export interface About {
   plants: { name: string; version: number; summary: string }[];
 }
 
+/** A model that the loop took in. */
+export interface ModelReport {
+  hash: string;
+  name: string;
+  kind: 'values' | 'intent';
+}
+
 export type KeyKind = 'down' | 'up' | 'release-all';
 
 interface Exports {
@@ -138,73 +145,101 @@ interface Exports {
   cohelm_panic(): number;
 }
 
-/** The page's loop refused something, in its own words. */
+/** Names of the functions that answer with a length. */
+type Call = Exclude<keyof Exports, 'memory' | 'cohelm_input' | 'cohelm_output'>;
+
+/** The loop refused something, in its own words. */
 export class CoreError extends Error {}
+
+/** The loop stopped by a bug of its own: this instance is of no more use, `revive` loads another. */
+export class CoreStopped extends Error {}
 
 /** One instance of the loop: it flies one flight, or shows one record, at a time. */
 export class Core {
-  private constructor(private readonly wasm: Exports) {}
+  private readonly models = new Map<string, Uint8Array>();
+
+  private constructor(private readonly module: WebAssembly.Module, private wasm: Exports) {}
 
   static async load(source: BufferSource | Response | Promise<Response>): Promise<Core> {
-    const made =
+    const module =
       source instanceof ArrayBuffer || ArrayBuffer.isView(source)
-        ? await WebAssembly.instantiate(source as BufferSource, {})
-        : await WebAssembly.instantiateStreaming(source as Response, {});
-    return new Core(made.instance.exports as unknown as Exports);
+        ? await WebAssembly.compile(source as BufferSource)
+        : await WebAssembly.compileStreaming(source as Response);
+    return new Core(module, await instance(module));
+  }
+
+  /** A second loop beside this one, with the same models. */
+  async another(): Promise<Core> {
+    const made = new Core(this.module, await instance(this.module));
+    for (const bytes of this.models.values()) made.addModel(bytes);
+    return made;
+  }
+
+  /** Takes a fresh instance in place of one that stopped; models stay, what was flown is gone. */
+  async revive(): Promise<void> {
+    this.wasm = await instance(this.module);
+    const models = [...this.models.values()];
+    for (const bytes of models) this.addModel(bytes);
   }
 
   about(): About {
-    return this.json(this.wasm.cohelm_about()) as About;
+    return this.json(this.call('cohelm_about')) as About;
   }
 
-  addModel(bytes: Uint8Array): void {
+  hasModel(hash: string): boolean {
+    return this.models.has(hash);
+  }
+
+  addModel(bytes: Uint8Array): ModelReport {
     this.put(bytes);
-    this.take(this.wasm.cohelm_model());
+    const report = this.json(this.call('cohelm_model')) as ModelReport;
+    this.models.set(report.hash, bytes);
+    return report;
   }
 
   begin(setup: Setup): Opening {
     this.put(new TextEncoder().encode(JSON.stringify(setup)));
-    return this.json(this.wasm.cohelm_begin()) as Opening;
+    return this.json(this.call('cohelm_begin')) as Opening;
   }
 
   key(kind: KeyKind, control: number, atMs: number): void {
-    this.take(this.wasm.cohelm_key({ down: 0, up: 1, 'release-all': 2 }[kind], control, atMs));
+    this.call('cohelm_key', { down: 0, up: 1, 'release-all': 2 }[kind], control, atMs);
   }
 
-  stick(axes: readonly number[], atMs: number): void {
-    const raw = [0, 1, 2, 3].map((i) => Math.round((axes[i] ?? 0) * 32767));
-    this.take(this.wasm.cohelm_stick(raw[0]!, raw[1]!, raw[2]!, raw[3]!, atMs));
+  /** The stick moved: each axis in −32767 to 32767. */
+  stick([x, y, z, w]: readonly [number, number, number, number], atMs: number): void {
+    this.call('cohelm_stick', x, y, z, w, atMs);
   }
 
   /** Flies one tick; null once the episode has ended. */
   tick(): Tick | null {
-    return this.json(this.wasm.cohelm_tick()) as Tick | null;
+    return this.json(this.call('cohelm_tick')) as Tick | null;
   }
 
   eventsFrom(index: number): Uint8Array {
-    return this.take(this.wasm.cohelm_events(index));
+    return this.call('cohelm_events', index);
   }
 
   digests(): Digests {
-    return this.json(this.wasm.cohelm_digests()) as Digests;
+    return this.json(this.call('cohelm_digests')) as Digests;
   }
 
   finish(): Uint8Array {
-    return this.take(this.wasm.cohelm_finish());
+    return this.call('cohelm_finish');
   }
 
   watch(record: Uint8Array): Opening {
     this.put(record);
-    return this.json(this.wasm.cohelm_watch()) as Opening;
+    return this.json(this.call('cohelm_watch')) as Opening;
   }
 
   seek(ticks: number): Tick | null {
-    return this.json(this.wasm.cohelm_seek(ticks)) as Tick | null;
+    return this.json(this.call('cohelm_seek', ticks)) as Tick | null;
   }
 
   replay(record: Uint8Array): ReplayReport {
     this.put(record);
-    return this.json(this.wasm.cohelm_replay()) as ReplayReport;
+    return this.json(this.call('cohelm_replay')) as ReplayReport;
   }
 
   private put(bytes: Uint8Array): void {
@@ -213,15 +248,36 @@ export class Core {
     new Uint8Array(this.wasm.memory.buffer, at, bytes.length).set(bytes);
   }
 
-  /** Copies an answer out; a negative length is an error whose words lie in its place. */
-  private take(length: number): Uint8Array {
-    const bytes = new Uint8Array(this.wasm.memory.buffer, this.wasm.cohelm_output(), Math.abs(length)).slice();
+  /** Calls a function and copies its answer; a negative length is an error whose words lie in its place. */
+  private call(name: Call, ...numbers: number[]): Uint8Array {
+    let length: number;
+    try {
+      length = (this.wasm[name] as (...numbers: number[]) => number)(...numbers);
+    } catch (trap) {
+      throw new CoreStopped(this.lastWords() || String(trap), { cause: trap });
+    }
+    const bytes = this.output(Math.abs(length));
     if (length < 0) throw new CoreError(new TextDecoder().decode(bytes));
     return bytes;
   }
 
-  private json(length: number): unknown {
-    const bytes = this.take(length);
+  private lastWords(): string {
+    try {
+      return new TextDecoder().decode(this.output(this.wasm.cohelm_panic()));
+    } catch {
+      return '';
+    }
+  }
+
+  private output(length: number): Uint8Array {
+    return new Uint8Array(this.wasm.memory.buffer, this.wasm.cohelm_output(), length).slice();
+  }
+
+  private json(bytes: Uint8Array): unknown {
     return bytes.length === 0 ? null : JSON.parse(new TextDecoder().decode(bytes));
   }
+}
+
+async function instance(module: WebAssembly.Module): Promise<Exports> {
+  return (await WebAssembly.instantiate(module, {})).exports as unknown as Exports;
 }

@@ -21,3 +21,28 @@ export function button(label: string, attributes: Record<string, string | boolea
   made.addEventListener('click', press);
   return made;
 }
+
+/** A list to choose from, with its label. */
+export function select(
+  label: string,
+  choices: [value: string, text: string][],
+  chosen: string,
+  choose: (value: string) => void,
+): HTMLLabelElement {
+  const options = choices.map(([value, text]) => element('option', { value, selected: value === chosen }, text));
+  const box = element('select', { disabled: choices.length < 2 }, ...options);
+  box.addEventListener('change', () => choose(box.value));
+  return element('label', {}, label, box);
+}
+
+/** Whether what has the focus uses this key itself: lists and sliders all keys, buttons and links those that press them. */
+export function isTheirs(event: KeyboardEvent): boolean {
+  const at = event.target as Element | null;
+  const within = (selector: string) => at?.closest?.(selector) != null;
+  return within('select, input, textarea') || (within('button, a, summary') && ['Space', 'Enter'].includes(event.code));
+}
+
+/** Whether the person asked their system for less motion. */
+export function wantsCalm(): boolean {
+  return matchMedia('(prefers-reduced-motion: reduce)').matches;
+}

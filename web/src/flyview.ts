@@ -1,196 +1,245 @@
 // The view in which a person flies.
 
-import { chooseModels, listModels, modelBytes, type ModelEntry } from './api';
-import type { Core, Inference, Setup } from './core';
-import { button, element } from './dom';
-import { Stage } from './draw';
-import { FlightRun, type FlightSummary } from './flightview';
-import { keyCap } from './keys';
-import type { Link } from './link';
-import type { View } from './main';
+import { Card, type CardAction } from './card';
+import type { Context, View } from './context';
+import { Controls } from './controls';
+import { CoreStopped, type Inference, type Setup } from './core';
+import { element, isTheirs, wantsCalm } from './dom';
+import { FlightRun, type FlightSummary } from './flight';
+import { History } from './history';
+import { Hud } from './hud';
+import { keyCap, keyName } from './keys';
 import { say } from './message';
 import { Overlay } from './overlay';
-import { loadSettings, keepSettings, MODES, type Settings } from './settings';
-import { ENDINGS } from './words';
+import { keepSettings, loadSettings, type Settings } from './settings';
+import { Stage } from './stage';
+import { ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf } from './words';
 
-const ACTIONS: Record<string, string> = {
-  switches: 'switches (the paper)', 'main-side': 'main × side, held', gymnasium: 'Gymnasium’s four',
-};
-const INFERENCES: Record<string, string> = {
-  calibrated: 'calibrated', softmax: 'softmax', 'inverse-distance': 'inverse distance (the paper)',
-};
+/** How long an ending is watched before the card comes, ms. */
+const WATCH_ENDING_MS = 900;
+/** A larger share of late ticks than this is worth a remark. */
+const LATE_SHARE = 0.05;
 
 export class FlyView implements View {
   readonly main = element('main', { class: 'flight' });
-  readonly footer = element('footer', {});
+  readonly footer: HTMLElement;
   private readonly settings: Settings = loadSettings();
   private readonly stage: Stage;
   private readonly overlay = new Overlay();
-  private readonly card = element('div', { class: 'card', role: 'dialog', 'aria-live': 'polite' });
-  private readonly hud = element('div', { class: 'hud' });
-  private readonly caps: HTMLElement[] = [];
-  private readonly clock = element('span', {});
+  private readonly card = new Card();
+  private readonly hud = new Hud();
+  private readonly controls: Controls;
+  private readonly field: HTMLElement;
+  private history = new History();
   private run: FlightRun | null = null;
-  private models: ModelEntry[] = [];
-  private readonly loaded = new Set<string>();
+  /** Counts preparations: an older one that comes to its end late is not the flight any more. */
+  private preparation = 0;
+  private disposed = false;
   private readonly onKey = (event: KeyboardEvent) => this.shortcut(event);
-  private readonly onHide = () => this.run?.pause();
+  private readonly onBlur = () => this.run?.pause();
+  private readonly onHide = () => {
+    if (document.hidden) this.run?.pause();
+  };
+  private readonly onModels = (learnt: boolean) => void this.modelsChanged(learnt);
 
-  constructor(private readonly core: Core, private readonly link: Link) {
-    const canvas = element('canvas', { 'aria-label': 'The lander, its flames, the terrain and the flags' });
-    const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    this.stage = new Stage(canvas, calm);
-    this.main.append(element('div', { class: 'stage' }, canvas, this.hud, this.card), this.overlay.node);
-    this.buildFooter();
+  constructor(private readonly context: Context) {
+    const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': 'The craft, the ground and the goals; your own is marked' });
+    const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
+    this.stage = new Stage(back, canvas);
+    this.field = element('div', { class: 'stage', tabindex: '-1' }, back, canvas, this.hud.node, this.card.node);
+    this.main.append(this.field, this.overlay.node);
+    this.controls = new Controls(context.hangar, this.settings, (change) => this.change(change), () => this.toggleOverlay());
+    this.footer = this.controls.node;
     this.showOverlay();
     window.addEventListener('keydown', this.onKey);
-    window.addEventListener('blur', this.onHide);
+    window.addEventListener('blur', this.onBlur);
     document.addEventListener('visibilitychange', this.onHide);
-    link.onNewModel = () => void this.refreshModels();
-    void this.refreshModels().then(() => this.prepare());
+    context.onModels.add(this.onModels);
+    this.controls.build();
+    void this.prepare();
   }
 
   dispose(): void {
+    this.disposed = true;
+    this.preparation += 1;
     this.run?.abandon();
     this.run?.dispose();
+    this.card.hide();
     window.removeEventListener('keydown', this.onKey);
-    window.removeEventListener('blur', this.onHide);
+    window.removeEventListener('blur', this.onBlur);
     document.removeEventListener('visibilitychange', this.onHide);
-    this.link.onNewModel = null;
+    this.context.onModels.delete(this.onModels);
   }
 
-  private async refreshModels(): Promise<void> {
-    try {
-      this.models = await listModels();
-    } catch (error) {
-      say(`The list of models could not be read: ${String(error)}`);
-    }
-  }
-
-  /** Gets the next flight ready: terrain and flags are there to be looked at, nothing moves yet. */
-  private async prepare(): Promise<void> {
+  /** Gets the next flight ready: its world is there to be looked at, nothing moves yet. */
+  private async prepare(seed = this.controls.seed ?? Math.floor(Math.random() * 2 ** 48)): Promise<void> {
+    const preparation = ++this.preparation;
     this.run?.dispose();
     this.run = null;
+    const why = this.controls.whyNot(this.controls.mode);
+    if (why !== null) {
+      this.showUnable(why);
+      return;
+    }
     try {
-      const setup = await this.setup();
-      this.run = new FlightRun(this.core, setup, this.stage, {
-        tick: (tick) => {
-          this.overlay.show(tick);
-          this.showHud();
-        },
-        paused: (paused) => (paused ? this.showPaused() : this.card.toggleAttribute('hidden', true)),
-        ended: (summary) => this.ended(summary),
-      }, this.link);
-      this.overlay.begin(setup.rule, this.run.opening.pilot_goal);
-      this.buildHud();
-      this.showReady();
+      const setup = await this.setup(seed);
+      if (preparation !== this.preparation) return;
+      this.makeReady(setup);
     } catch (error) {
-      this.showCard('Not ready to fly', [element('p', {}, error instanceof Error ? error.message : String(error))], []);
+      if (preparation === this.preparation) await this.failed(error);
     }
   }
 
-  private async setup(): Promise<Setup> {
-    const { settings } = this;
-    const about = this.core.about().plants.find((plant) => plant.name === settings.plant);
-    if (about === undefined) throw new Error(`This page knows no plant called ${settings.plant}.`);
-    const options = settings.plant === 'flag-lander' ? { actions: settings.actions } : {};
-    const task = { plant: settings.plant, options };
-    const { values, intent } = chooseModels(this.models, task);
-    const mode = MODES.find((known) => known.mode === settings.mode) ?? MODES[0]!;
-    const networks = values !== null && intent !== null;
-    if (settings.plant === 'flag-lander' && !networks && settings.mode !== 'hic') {
-      throw new Error('There is no trained co-pilot for these actions; choose others, or fly alone.');
-    }
-    for (const hash of [values, intent]) await this.load(hash);
-    const inference: Inference = settings.mode === 'demo' ? 'known' : intent === null ? 'nearest' : settings.inference;
+  private makeReady(setup: Setup): void {
+    const tried = this.context.hangar.try(setup.task);
+    const run = new FlightRun(this.context.core, setup, tried?.hasAxes === true, this.stage, {
+      tick: (tick) => {
+        this.history.push(tick);
+        this.overlay.show(tick, this.history, run.ticks);
+        this.showHud();
+      },
+      paused: (paused) => (paused ? this.showPaused() : this.card.hide()),
+      ended: (summary) => this.ended(summary),
+      failed: (error) => void this.failed(error),
+    }, this.context.link);
+    this.run = run;
+    this.history = new History();
+    this.overlay.begin(setup.rule, run.opening.pilot_goal, run.opening.goals, tried?.labels ?? []);
+    this.hud.begin(run.opening, this.controls.mode.label);
+    this.showReady();
+  }
+
+  private async setup(seed: number): Promise<Setup> {
+    const { settings, context: { core, hangar }, controls: { task, mode } } = this;
+    const version = hangar.versionOf(task.plant);
+    if (version === null) throw new Error(`This page knows no plant called ${task.plant}.`);
+    const fitting = hangar.fitting('values', task);
+    const values = (fitting.find((model) => model.hash === settings.values) ?? fitting[0])?.hash ?? null;
+    const model = hangar.fitting('intent', task)[0]?.hash ?? null;
+    const inference: Inference = mode.mode === 'demo' ? 'known' : model === null ? 'nearest' : settings.inference;
+    const intent = inference === 'known' || inference === 'nearest' ? null : model;
+    await hangar.equip(core, [values, intent]);
     return {
-      task, plant_version: about.version, seed: Math.floor(Math.random() * 2 ** 48), rule: mode.rule, inference,
-      silence: 'best', time_scale: settings.timeScale, values, intent: inference === 'known' || inference === 'nearest' ? null : intent,
-      pilot: 'person',
+      task, plant_version: version, seed, rule: mode.rule, inference, silence: 'best', time_scale: settings.timeScale,
+      values, intent, pilot: 'person',
     };
-  }
-
-  private async load(hash: string | null): Promise<void> {
-    if (hash === null || this.loaded.has(hash)) return;
-    this.core.addModel(await modelBytes(hash));
-    this.loaded.add(hash);
-  }
-
-  private ended(summary: FlightSummary): void {
-    this.link.end(summary.ending);
-    const share = summary.commands === 0 ? '–' : `${Math.round((100 * summary.corrected) / summary.commands)} %`;
-    const number = (value: string, label: string) => element('span', {}, element('b', {}, value), label);
-    const numbers = element('div', { class: 'numbers' },
-      number(`${summary.seconds.toFixed(1)} s`, 'in the air'), number(String(summary.commands), 'commands'), number(share, 'corrected'));
-    const late = summary.lateTicks > 5 ? [element('p', {}, `${summary.lateTicks} ticks came late: is something else busy on this machine?`)] : [];
-    this.showCard(ENDINGS[summary.ending], [numbers, ...late], [
-      button('Fly again  ⏎', { class: 'primary' }, () => void this.prepare().then(() => this.begin())),
-    ], summary.ending);
   }
 
   private begin(): void {
     if (this.run === null) return;
-    this.card.hidden = true;
-    if (this.run.isReady) this.link.begin(this.run.opening.setup);
+    if (this.run.isReady) this.context.link.begin(this.run.opening.setup);
+    this.controls.close();
+    this.card.hide();
+    this.field.focus();
     this.run.start();
+  }
+
+  private async again(): Promise<void> {
+    await this.prepare();
+    this.begin();
+  }
+
+  private ended(summary: FlightSummary): void {
+    const { link, session } = this.context;
+    link.end(summary.ending);
+    if (this.disposed || summary.ticks === 0) return;
+    session.last = summary.record;
+    session.endings.push(summary.ending);
+    const content = [element('p', {}, ENDING_HINTS[summary.ending]), numbersOf(summary), this.tally()];
+    if (summary.lateTicks > LATE_SHARE * summary.ticks) {
+      content.push(element('p', {}, `${summary.lateTicks} ticks came late: is something else busy on this machine?`));
+    }
+    const watched = summary.ending === 'abandoned' || wantsCalm() ? 0 : WATCH_ENDING_MS;
+    this.card.show(summary.ending, ENDINGS[summary.ending], content, [
+      { label: 'Fly again', key: '⏎', primary: true, press: () => void this.again() },
+      { label: 'Watch it', key: 'R', press: () => this.context.go('again') },
+    ], watched);
+  }
+
+  /** A sign for each flight of this visit. */
+  private tally(): HTMLElement {
+    const { endings } = this.context.session;
+    const landed = endings.filter((ending) => ending === 'goal').length;
+    const signs = endings.slice(-16).map((ending) =>
+      element('span', { class: 'outcome', 'data-outcome': ending, title: ENDING_WORDS[ending].word }, ENDING_WORDS[ending].sign));
+    return element('p', { class: 'tally' }, ...signs, ` ${landed} of ${endings.length} at the goal`);
   }
 
   private showReady(): void {
     const { opening } = this.run!;
-    const robot = this.settings.mode === 'demo';
+    const { mode } = this.controls;
+    const robot = mode.mode === 'demo';
     const keys = element('div', { class: 'keys' }, ...opening.controls.map((control) =>
-      element('span', {}, element('kbd', {}, control.keys.map(keyCap)[0] ?? '?'), control.name)));
-    const text = robot ? 'The robot flies to the amber flags; watch what it does.'
-      : 'Come to rest between the amber flags.';
-    this.showCard(robot ? 'Watch the robot' : 'Ready to fly', [element('p', {}, text), ...(robot ? [] : [keys])],
-      [button('Start  ⏎', { class: 'primary' }, () => this.begin())]);
+      element('span', { 'aria-label': `${control.keys.map(keyName)[0] ?? ''}: ${control.name}` },
+        element('kbd', {}, keyCap(control.keys[0] ?? '?')), control.name)));
+    const text = robot ? 'The robot flies to the goal that is marked ★; watch what it does.'
+      : 'Come to rest at your goal: the amber one, marked ★.';
+    const content = [element('p', {}, text), ...(robot ? [] : [element('p', { class: 'mode-title' }, mode.title), keys])];
+    this.card.show('ready', robot ? 'Watch the robot' : 'Ready to fly', content,
+      [{ label: 'Start', key: '⏎', primary: true, press: () => this.begin() }]);
   }
 
   private showPaused(): void {
-    this.showCard('Paused', [element('p', {}, 'All keys were released.')], [
-      button('Go on  ⏎', { class: 'primary' }, () => this.begin()),
-      button('Stop', { class: 'secondary' }, () => this.run?.abandon()),
+    this.card.show('paused', 'Paused', [element('p', {}, 'All keys were released; the time stands still.')], [
+      { label: 'Go on', key: '⏎', primary: true, press: () => this.begin() },
+      { label: 'End this flight', press: () => this.run?.abandon() },
     ]);
   }
 
-  private showCard(title: string, content: HTMLElement[], actions: HTMLElement[], outcome = ''): void {
-    this.card.dataset['outcome'] = outcome;
-    this.card.replaceChildren(element('h2', {}, title), ...content, element('div', { class: 'actions' }, ...actions));
-    this.card.hidden = false;
+  private showUnable(why: string): void {
+    const alone: CardAction = { label: 'Fly alone', key: '⏎', primary: true, press: () => this.change({ mode: 'hic' }) };
+    this.card.show('unable', 'No help to be had', [element('p', {}, why)], [alone]);
+  }
+
+  /** What cannot go on says why; a loop that stopped is loaded afresh. */
+  private async failed(error: unknown): Promise<void> {
+    this.context.link.end('abandoned');
+    const stopped = error instanceof CoreStopped;
+    if (stopped) await this.context.core.revive();
+    this.card.show('failed', stopped ? 'The loop stopped' : 'Not ready to fly', [
+      element('p', {}, reasonOf(error)),
+      ...(stopped ? [element('p', {}, 'That is a bug, and worth a report. It was loaded afresh; the flight was kept as far as it got.')] : []),
+    ], [{ label: 'Try again', key: '⏎', primary: true, press: () => void this.prepare() }]);
+  }
+
+  private async modelsChanged(learnt: boolean): Promise<void> {
+    this.controls.build();
+    if (this.run === null) await this.prepare();
+    else if (this.run.isReady) await this.prepare(this.run.opening.setup.seed);
+    else if (this.run.isOver && learnt) this.card.note('✦ The co-pilot has learnt from it.');
   }
 
   private shortcut(event: KeyboardEvent): void {
-    if (event.target instanceof HTMLSelectElement || event.target instanceof HTMLInputElement) return;
-    if (event.code === 'Enter' && !event.repeat) {
+    if (isTheirs(event) || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.code === 'Enter') {
       event.preventDefault();
-      if (this.run?.isOver === true || this.run === null) void this.prepare().then(() => this.begin());
-      else this.begin();
+      this.goOn();
     } else if (event.code === 'Escape') {
       this.run?.pause();
     } else if (event.code === 'KeyO') {
-      this.settings.overlay = !this.settings.overlay;
-      this.showOverlay();
-      keepSettings(this.settings);
+      this.toggleOverlay();
+    } else if (event.code === 'KeyR' && this.run?.isOver === true && this.context.session.last !== null) {
+      this.context.go('again');
     }
   }
 
-  private buildHud(): void {
-    this.caps.length = 0;
-    const pressed = element('span', { class: 'pressed' });
-    for (const control of this.run!.opening.controls) {
-      const cap = element('kbd', { title: control.name }, control.keys.map(keyCap)[0] ?? '?');
-      this.caps.push(cap);
-      pressed.append(cap);
-    }
-    this.hud.replaceChildren(this.clock, pressed);
-    this.clock.textContent = '0.0 s';
+  /** What Enter does: whatever the card's first button would. */
+  private goOn(): void {
+    if (this.run === null) this.card.node.querySelector<HTMLButtonElement>('button.primary')?.click();
+    else if (this.run.isOver) void this.again();
+    else this.begin();
   }
 
   private showHud(): void {
-    const held = this.run?.held() ?? new Set<number>();
-    this.caps.forEach((cap, control) => cap.classList.toggle('held', held.has(control)));
-    const seconds = (this.run?.ticks ?? 0) / (this.run?.opening.ticks_per_second ?? 50);
-    this.clock.textContent = `${seconds.toFixed(1)} s`;
+    const { run } = this;
+    if (run !== null) this.hud.show(run.ticks / run.opening.ticks_per_second, run.held(), this.stage.readings);
+  }
+
+  private toggleOverlay(): void {
+    this.settings.overlay = !this.settings.overlay;
+    keepSettings(this.settings);
+    this.showOverlay();
+    this.controls.build();
   }
 
   private showOverlay(): void {
@@ -198,43 +247,19 @@ export class FlyView implements View {
     this.overlay.node.hidden = !this.settings.overlay;
   }
 
-  private buildFooter(): void {
-    const modes = element('div', { class: 'segmented', role: 'group', 'aria-label': 'Mode' });
-    for (const { mode, label, title } of MODES) {
-      modes.append(button(label, { title, 'data-mode': mode, 'aria-pressed': String(mode === this.settings.mode) }, () => {
-        for (const item of modes.children) item.setAttribute('aria-pressed', String((item as HTMLElement).dataset['mode'] === mode));
-        this.change({ mode });
-      }));
-    }
-    const select = (label: string, choices: Record<string, string>, chosen: string, choose: (value: string) => void) => {
-      const box = element('select', { 'aria-label': label });
-      for (const [value, text] of Object.entries(choices)) box.append(element('option', { value, selected: value === chosen }, text));
-      box.addEventListener('change', () => {
-        choose(box.value);
-        box.blur();
-      });
-      return element('label', {}, label, box);
-    };
-    const plants = Object.fromEntries(this.core.about().plants.map((plant) => [plant.name, plant.name]));
-    this.footer.append(modes,
-      select('plant', plants, this.settings.plant, (plant) => this.change({ plant })),
-      select('actions', ACTIONS, this.settings.actions, (actions) => this.change({ actions })),
-      select('confidence', INFERENCES, this.settings.inference, (inference) => this.change({ inference: inference as Inference })),
-      select('speed', { '1': '1×', '0.75': '¾×', '0.5': '½×', '0.25': '¼×' }, String(this.settings.timeScale),
-        (scale) => this.change({ timeScale: Number(scale) })),
-      element('span', { class: 'spacer' }),
-      button('Overlay (O)', { class: 'secondary' }, () => {
-        this.settings.overlay = !this.settings.overlay;
-        this.showOverlay();
-        keepSettings(this.settings);
-      }));
-  }
-
   private change(changed: Partial<Settings>): void {
     Object.assign(this.settings, changed);
     keepSettings(this.settings);
-    (document.activeElement as HTMLElement | null)?.blur();
+    const seed = this.run?.isReady === true && !('plant' in changed) ? this.run.opening.setup.seed : undefined;
     this.run?.abandon();
-    void this.prepare();
+    this.controls.build();
+    this.prepare(this.controls.seed ?? seed).catch((error: unknown) => say(reasonOf(error)));
   }
+}
+
+function numbersOf(summary: FlightSummary): HTMLElement {
+  const share = summary.commands === 0 ? '–' : `${Math.round((100 * summary.corrected) / summary.commands)} %`;
+  const number = (value: string, label: string) => element('span', {}, element('b', {}, value), label);
+  return element('div', { class: 'numbers' },
+    number(`${summary.seconds.toFixed(1)} s`, 'in the air'), number(String(summary.commands), 'commands'), number(share, 'corrected'));
 }

@@ -1,8 +1,9 @@
 // From the keyboard to controls. Keys may be held together; auto-repeat is not a key press.
 
-import type { Control } from './core';
+import type { Control, KeyKind } from './core';
+import { isTheirs } from './dom';
 
-export type KeyChange = (kind: 'down' | 'up' | 'release-all', control: number, atMs: number) => void;
+export type KeyChange = (kind: KeyKind, control: number, atMs: number) => void;
 
 /** Listens while attached, and says which control changed and when (by `event.timeStamp`). */
 export class KeyListener {
@@ -26,7 +27,7 @@ export class KeyListener {
     this.held.clear();
   }
 
-  /** Names of the controls that are held. */
+  /** Numbers of the controls that are held. */
   heldControls(): ReadonlySet<number> {
     return new Set(this.held.values());
   }
@@ -42,9 +43,10 @@ export class KeyListener {
     this.detachers.push(() => target.removeEventListener(name, listener));
   }
 
+  /** A key that a button or a list has a use for is left to it while it has the focus. */
   private down(event: KeyboardEvent): void {
     const control = this.bindings.get(event.code);
-    if (control === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (control === undefined || event.ctrlKey || event.metaKey || event.altKey || isTheirs(event)) return;
     event.preventDefault();
     if (event.repeat || this.held.has(event.code)) return;
     const already = this.heldControls().has(control);
@@ -65,4 +67,9 @@ export class KeyListener {
 export function keyCap(code: string): string {
   const arrows: Record<string, string> = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓' };
   return arrows[code] ?? code.replace(/^(Key|Digit)/, '');
+}
+
+/** The same in words, for those who hear the page. */
+export function keyName(code: string): string {
+  return code.replace(/^(Key|Digit)/, '').replace(/^Arrow/, 'arrow ').toLowerCase();
 }

@@ -1,47 +1,56 @@
 // The way to the server. Flights go on whatever happens to it: their key logs are kept until the server has them.
 
 import type { Ending, Setup } from './core';
-import { say } from './message';
+import { keepPending, keptPending, type Pending } from './pending';
 import * as protocol from './protocol';
 
 /** Ms before the first attempt to connect again, and the longest wait between two. */
 const [FIRST_WAIT_MS, LONGEST_WAIT_MS] = [500, 8000];
+/** How often a flight may break the connection by what it says before it is given up. */
+const MOST_BREAKS = 3;
+/** Close codes that blame the page's message (docs/records.md, "Closing"). */
+const BLAMES_MESSAGE = [1002, 1003, 1009];
 
-/** A flight the server does not have yet. */
-interface Pending {
-  key: Uint8Array;
-  begunAt: number;
-  setup: Setup;
-  pieces: protocol.Piece[];
-  end: { ticks: number; ending: Ending; digests: { plant: string; decisions: string } } | null;
-  /** Pieces sent on this connection; null until the server has said where to go on from. */
-  sent: number | null;
-  endSent: boolean;
+/** What the link tells. */
+export interface LinkEvents {
+  /** The connection came or went, or the number of flights that wait for it changed. */
+  state(connected: boolean, waiting: number): void;
+  /** Something went wrong that a person should know. */
+  trouble(text: string): void;
+  /** The server said who it is. */
+  welcome(about: protocol.Welcome): void;
+  /** Other values assist from the next flight on. */
+  newModel(hash: string): void;
+  /** A flight is stored, under this number. */
+  stored(episode: number): void;
+}
+
+/** How far a flight was sent on this connection. */
+interface Sending {
+  flight: Pending;
+  /** Pieces that were sent; null until the server has said where to go on from. */
+  pieces: number | null;
+  end: boolean;
+  breaks: number;
 }
 
 /** Sends flights one after the other, and again after a lost connection. */
 export class Link {
-  /** Told when the server has learnt a new model; the next flight may use it. */
-  onNewModel: (() => void) | null = null;
-  /** Told the number under which a flight is stored. */
-  onStored: ((episode: bigint) => void) | null = null;
-  /** What the server said of itself. */
-  about: { cohelm: string; learning: boolean } | null = null;
   private socket: WebSocket | null = null;
-  private readonly flights: Pending[] = [];
+  private readonly queue: Sending[] = keptPending().map(fresh);
   private flying: Pending | null = null;
   private wait = FIRST_WAIT_MS;
 
-  constructor(private readonly connected: (connected: boolean) => void) {
+  constructor(private readonly address: string, private readonly events: LinkEvents) {
     this.connect();
   }
 
   /** A flight begins. */
   begin(setup: Setup): void {
     const key = crypto.getRandomValues(new Uint8Array(16));
-    this.flying = { key, begunAt: performance.now(), setup, pieces: [], end: null, sent: null, endSent: false };
-    this.flights.push(this.flying);
-    if (this.flights.length === 1) this.announce();
+    this.flying = { key, begunAt: Date.now(), setup, pieces: [], end: null };
+    this.queue.push(fresh(this.flying));
+    if (this.queue.length === 1) this.announce();
   }
 
   /** A piece of its key log. */
@@ -50,7 +59,7 @@ export class Link {
     this.flush();
   }
 
-  /** It ended. A flight that ended before its first tick is forgotten. */
+  /** It ended, where its last piece did. A flight that ended before its first tick is forgotten. */
   end(ending: Ending): void {
     const flight = this.flying;
     this.flying = null;
@@ -61,69 +70,93 @@ export class Link {
       return;
     }
     flight.end = { ticks: last.to, ending, digests: last.digests };
+    this.tell();
     this.flush();
   }
 
   private connect(): void {
-    const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`);
+    const socket = new WebSocket(this.address);
     socket.binaryType = 'arraybuffer';
     socket.addEventListener('open', () => {
       this.socket = socket;
       this.wait = FIRST_WAIT_MS;
-      this.connected(true);
-      for (const flight of this.flights) Object.assign(flight, { sent: null, endSent: false });
+      for (const sending of this.queue) Object.assign(sending, { pieces: null, end: false });
+      this.tell();
       this.announce();
     });
     socket.addEventListener('message', (event) => this.hear(new Uint8Array(event.data as ArrayBuffer)));
     socket.addEventListener('close', (event) => {
       this.socket = null;
-      this.connected(false);
-      if (event.reason !== '' && event.code !== 1001) say(`The server closed the connection: ${event.reason}`);
+      this.blame(event.code, event.reason);
+      this.tell();
       setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(this.wait * 2, LONGEST_WAIT_MS);
     });
   }
 
+  /** A flight whose messages break the connection again and again must not keep the others from the server. */
+  private blame(code: number, reason: string): void {
+    const first = this.queue[0];
+    if (first === undefined || !BLAMES_MESSAGE.includes(code)) return;
+    first.breaks += 1;
+    if (first.breaks < MOST_BREAKS) return;
+    this.events.trouble(`A flight was not stored: ${reason}`);
+    this.drop(first.flight);
+  }
+
   private hear(bytes: Uint8Array): void {
     const message = protocol.read(bytes);
-    if (message === null) return;
-    const flight = this.flights[0];
-    if (message.kind === 'welcome') this.about = message.about;
-    else if (message.kind === 'new-model') this.onNewModel?.();
-    else if (flight === undefined) return;
-    else if (message.kind === 'begun') {
-      const from = flight.pieces.findIndex((piece) => piece.to > message.committed);
-      flight.sent = from === -1 ? flight.pieces.length : from;
+    if (message === null) {
+      this.events.trouble('The server speaks another version; reload the page.');
+      return;
+    }
+    if (message.kind === 'welcome') this.events.welcome(message.about);
+    else if (message.kind === 'new-model') this.events.newModel(message.hash);
+    else if (this.queue[0] !== undefined) this.answer(this.queue[0], message);
+  }
+
+  private answer(sending: Sending, message: protocol.FromServer): void {
+    if (message.kind === 'begun') {
+      const from = sending.flight.pieces.findIndex((piece) => piece.to > message.committed);
+      sending.pieces = from === -1 ? sending.flight.pieces.length : from;
       this.flush();
     } else if (message.kind === 'finished') {
-      this.onStored?.(message.episode);
-      this.drop(flight);
+      this.drop(sending.flight);
+      this.events.stored(Number(message.episode));
     } else if (message.kind === 'refused') {
-      say(`The flight was not stored: ${message.reason}`);
-      this.drop(flight);
+      this.drop(sending.flight);
+      this.events.trouble(`The flight was not stored: ${message.reason}`);
     }
   }
 
   /** Lets go of a flight and announces the next. */
   private drop(flight: Pending): void {
-    const index = this.flights.indexOf(flight);
-    if (index >= 0) this.flights.splice(index, 1);
+    const index = this.queue.findIndex((sending) => sending.flight === flight);
+    if (index >= 0) this.queue.splice(index, 1);
     if (flight === this.flying) this.flying = null;
+    this.tell();
     if (index === 0) this.announce();
   }
 
+  private tell(): void {
+    const flights = this.queue.map((sending) => sending.flight);
+    keepPending(flights);
+    this.events.state(this.socket !== null, flights.filter((flight) => flight !== this.flying).length);
+  }
+
   private announce(): void {
-    const flight = this.flights[0];
+    const flight = this.queue[0]?.flight;
     if (flight === undefined) return;
-    this.send(protocol.begin(flight.key, Math.round(performance.now() - flight.begunAt), flight.setup));
+    this.send(protocol.begin(flight.key, Math.max(Date.now() - flight.begunAt, 0), flight.setup));
   }
 
   private flush(): void {
-    const flight = this.flights[0];
-    if (flight === undefined || flight.sent === null || this.socket === null) return;
-    for (; flight.sent < flight.pieces.length; flight.sent += 1) this.send(protocol.chunk(flight.pieces[flight.sent]!));
-    if (flight.end !== null && !flight.endSent) {
-      flight.endSent = true;
+    const first = this.queue[0];
+    if (first === undefined || first.pieces === null || this.socket === null) return;
+    const { flight } = first;
+    for (; first.pieces < flight.pieces.length; first.pieces += 1) this.send(protocol.chunk(flight.pieces[first.pieces]!));
+    if (flight.end !== null && !first.end) {
+      first.end = true;
       this.send(protocol.end(flight.end.ticks, flight.end.ending, flight.end.digests));
     }
   }
@@ -131,4 +164,8 @@ export class Link {
   private send(bytes: Uint8Array): void {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(bytes as Uint8Array<ArrayBuffer>);
   }
+}
+
+function fresh(flight: Pending): Sending {
+  return { flight, pieces: null, end: false, breaks: 0 };
 }

@@ -1,47 +1,99 @@
-// The page: fly, look at what was flown. One view at a time below one header.
+// The page: fly, look at what was flown. One view at a time below one header; the address says which.
 
 import './style.css';
+import { episodeBytes } from './api';
+import type { Context, View } from './context';
 import { Core } from './core';
-import { button, element } from './dom';
+import { element } from './dom';
 import { EpisodesView } from './episodesview';
 import { FlyView } from './flyview';
+import { Hangar } from './hangar';
+import { LearningBadge } from './learning';
 import { Link } from './link';
 import { say } from './message';
-
-/** A view fills the space below the header, and lets go of everything when another takes its place. */
-export interface View {
-  readonly main: HTMLElement;
-  readonly footer: HTMLElement;
-  dispose(): void;
-}
+import { ReplayView } from './replayview';
+import { reasonOf } from './words';
 
 async function open(): Promise<void> {
-  const app = document.getElementById('app')!;
   const core = await Core.load(fetch('/cohelm_page.wasm'));
-  const status = element('span', { class: 'dot', 'data-state': 'off' }, 'connecting');
-  const link = new Link((connected) => {
-    status.dataset['state'] = connected ? 'on' : 'off';
-    status.textContent = connected ? 'recording' : 'not connected: flights are kept here and sent later';
+  const hangar = new Hangar(await core.another());
+  await hangar.refresh().catch(() => {
+    // The link says that the server is away; as soon as it is there the models are asked for again.
   });
-  let view: View | null = null;
-  const nav = element('nav', { 'aria-label': 'Views' });
-  const tabs = { fly: 'Fly', episodes: 'Episodes' } as const;
-  const show = (tab: keyof typeof tabs, made: View) => {
-    view?.dispose();
-    view = made;
-    for (const item of nav.children) {
-      if ((item as HTMLElement).dataset['tab'] === tab) item.setAttribute('aria-current', 'page');
-      else item.removeAttribute('aria-current');
-    }
-    app.replaceChildren(header, made.main, made.footer);
+  const status = element('span', { class: 'dot', role: 'status', 'data-state': 'off' }, 'connecting');
+  const badge = new LearningBadge();
+  const context: Context = {
+    core, hangar, link: linkOf(), session: { endings: [], last: null },
+    onModels: new Set(), onStored: new Set(), go: (place) => (location.hash = `#/${place}`),
   };
-  const fly = () => show('fly', new FlyView(core, link));
-  const episodes = () => show('episodes', new EpisodesView(core));
-  nav.append(button(tabs.fly, { 'data-tab': 'fly' }, fly), button(tabs.episodes, { 'data-tab': 'episodes' }, episodes));
-  const header = element('header', {},
-    element('span', { class: 'brand' }, element('img', { src: '/favicon.svg', alt: '' }), 'cohelm'), nav,
-    element('span', { class: 'status' }, status, element('span', {}, core.about().version)));
-  fly();
+  const models = async (learning: string | null, learnt: boolean) => {
+    hangar.learning = learning;
+    try {
+      await hangar.refresh();
+    } catch (error) {
+      say(`The list of models could not be read: ${reasonOf(error)}`);
+    }
+    context.onModels.forEach((told) => told(learnt));
+    if (learning !== null) await badge.refresh();
+  };
+
+  function linkOf(): Link {
+    return new Link(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`, {
+      state: (connected, waiting) => {
+        status.dataset['state'] = connected ? 'on' : 'off';
+        const kept = waiting === 0 ? '' : waiting === 1 ? ', 1 flight waits' : `, ${waiting} flights wait`;
+        status.textContent = connected ? `recording${kept}` : `no connection: flights are kept and sent later${kept}`;
+      },
+      trouble: (text) => say(text),
+      welcome: (about) => void models(about.values, false),
+      newModel: (hash) => void models(hash, true),
+      stored: (episode) => context.onStored.forEach((told) => told(episode)),
+    });
+  }
+
+  show(context, status, badge);
 }
 
-open().catch((error: unknown) => say(`The page could not be opened: ${String(error)}`));
+/** Puts the header up, and below it the view that the address names. */
+function show(context: Context, status: HTMLElement, badge: LearningBadge): void {
+  const tab = (place: string, name: string) => element('a', { href: `#/${place}`, 'data-tab': place }, name);
+  const tabs = [tab('fly', 'Fly'), tab('episodes', 'Episodes')];
+  const header = element('header', {},
+    element('span', { class: 'brand' }, element('img', { src: '/favicon.svg', alt: '' }), 'cohelm'),
+    element('nav', { 'aria-label': 'Views' }, ...tabs),
+    element('span', { class: 'status' }, badge.node, status,
+      element('a', { href: '/notices.txt', title: 'Licences of what is in this page' }, context.core.about().version)));
+  let view: View | null = null;
+  const turn = () => {
+    const place = location.hash.replace(/^#\/?/, '') || 'fly';
+    view?.dispose();
+    view = viewOf(context, place);
+    for (const link of tabs) {
+      if (place.startsWith(link.dataset['tab']!)) link.setAttribute('aria-current', 'page');
+      else link.removeAttribute('aria-current');
+    }
+    document.getElementById('app')!.replaceChildren(header, view.main, view.footer);
+  };
+  window.addEventListener('hashchange', turn);
+  // A page that is left in mid-flight hands in what was flown so far; what cannot be sent now is sent next time.
+  window.addEventListener('pagehide', () => view?.dispose());
+  window.addEventListener('pageshow', (event) => {
+    if (event.persisted) turn();
+  });
+  turn();
+}
+
+function viewOf(context: Context, place: string): View {
+  const episode = /^episodes\/(\d+)$/.exec(place)?.[1];
+  if (episode !== undefined) {
+    const id = Number(episode);
+    return new ReplayView(context, { title: `Episode ${id}`, bytes: () => episodeBytes(id), back: { label: 'Episodes', place: 'episodes' } });
+  }
+  const { last } = context.session;
+  if (place === 'again' && last !== null) {
+    return new ReplayView(context, { title: 'Your last flight', bytes: () => Promise.resolve(last), back: { label: 'Fly', place: 'fly' } });
+  }
+  return place === 'episodes' ? new EpisodesView(context) : new FlyView(context);
+}
+
+open().catch((error: unknown) => say(`The page could not be opened: ${reasonOf(error)}`, 3600));

@@ -1,15 +1,20 @@
 // One line at the bottom for what went wrong and what to do.
 
-import { element } from './dom';
+import { button, element } from './dom';
 
-const box = element('div', { class: 'message', role: 'alert', hidden: true });
+const text = element('span', {});
+const box = element('div', { class: 'message', role: 'alert', hidden: true }, text, button('✕', { 'aria-label': 'Close this message' }, hush));
 let timer = 0;
 
-/** Says something went wrong; it fades after a while. */
-export function say(text: string, seconds = 12): void {
+/** Says something went wrong; it goes after a while, or when it is closed. */
+export function say(words: string, seconds = 14): void {
   if (!box.isConnected) document.body.append(box);
-  box.textContent = text;
+  text.textContent = words;
   box.hidden = false;
   clearTimeout(timer);
-  timer = window.setTimeout(() => (box.hidden = true), seconds * 1000);
+  timer = window.setTimeout(hush, seconds * 1000);
+}
+
+function hush(): void {
+  box.hidden = true;
 }

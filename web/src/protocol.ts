@@ -13,8 +13,17 @@ export interface Piece {
   digests: { plant: string; decisions: string };
 }
 
+/** What the server says of itself. */
+export interface Welcome {
+  cohelm: string;
+  format: number;
+  learning: boolean;
+  /** Hash of the values that learn. */
+  values: string | null;
+}
+
 export type FromServer =
-  | { kind: 'welcome'; about: { cohelm: string; format: number; learning: boolean; values: string | null } }
+  | { kind: 'welcome'; about: Welcome }
   | { kind: 'begun'; episode: bigint; committed: number }
   | { kind: 'ack'; committed: number }
   | { kind: 'refused'; reason: string }
@@ -49,7 +58,7 @@ export function end(ticks: number, ending: Ending, digests: { plant: string; dec
   return bytes;
 }
 
-/** What the server said; null for a message this page does not know. */
+/** What the server said; null for a message of another version, or of a kind this page does not know. */
 export function read(bytes: Uint8Array): FromServer | null {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   if (bytes.length < 2 || view.getUint8(0) !== VERSION) return null;
@@ -61,9 +70,14 @@ export function read(bytes: Uint8Array): FromServer | null {
     case 131: return { kind: 'ack', committed: view.getUint32(2, true) };
     case 132: return { kind: 'refused', reason: text() };
     case 133: return { kind: 'finished', episode: view.getBigInt64(2, true) };
-    case 134: return { kind: 'new-model', hash: [...rest].map((byte) => byte.toString(16).padStart(2, '0')).join('') };
+    case 134: return { kind: 'new-model', hash: toHex(rest) };
     default: return null;
   }
+}
+
+/** Bytes as hexadecimal digits. */
+export function toHex(bytes: Uint8Array): string {
+  return [...bytes].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
 function message(kind: number, length: number): [Uint8Array, DataView] {

@@ -1,93 +1,192 @@
-// A recorded flight, with a scrubber: the loop flies it again in the page, tick by tick.
+// The view in which a flight is watched again, with a scrubber.
 
-import type { Core, Opening, Tick } from './core';
-import type { Stage } from './draw';
+import type { Context, View } from './context';
+import { CoreError, type Ending, type ReplayReport } from './core';
+import { button, element, isTheirs, select } from './dom';
+import { drawStrip } from './history';
+import { Overlay } from './overlay';
+import { readRecording, ReplayRun, type Recording } from './replay';
+import { sheetOf } from './sheet';
+import { Stage } from './stage';
+import { ENDING_WORDS, reasonOf, RULE_NAMES } from './words';
 
-/** Ticks of history that the overlay shows. */
-const HISTORY = 250;
+const SPEEDS: [string, string][] = [['0.1', '0.1×'], ['0.25', '¼×'], ['0.5', '½×'], ['1', '1×'], ['2', '2×'], ['4', '4×']];
+/** Ticks that a step with the Shift key goes. */
+const LONG_STEP = 25;
 
-/** Plays a record on a stage. */
-export class ReplayRun {
-  readonly opening: Opening;
-  private readonly ticks: Tick[] = [];
-  private position = 0;
-  private frame = 0;
-  private playing = false;
-  private lastAt = 0;
-  speed = 1;
+/** What is watched: where its bytes come from, what it is called, and where to go back to. */
+export interface Source {
+  title: string;
+  bytes: () => Promise<Uint8Array>;
+  back: { label: string; place: string };
+}
 
-  constructor(
-    core: Core,
-    record: Uint8Array,
-    private readonly stage: Stage,
-    private readonly moved: (tick: Tick | null, position: number, history: Tick[] | null) => void,
-  ) {
-    this.opening = core.watch(record);
-    for (let tick = 1; tick <= this.length; tick += 1) {
-      const report = core.seek(tick);
-      if (report !== null) this.ticks.push(report);
-    }
-    stage.show(this.opening.scene, this.opening.pilot_goal);
-    this.frame = requestAnimationFrame((now) => this.drawFrame(now));
-  }
+export class ReplayView implements View {
+  readonly main = element('main', { class: 'flight with-overlay' });
+  readonly footer = element('footer', { class: 'player' });
+  private readonly overlay = new Overlay();
+  private readonly title = element('div', { class: 'title' });
+  private readonly slider = element('input', { type: 'range', min: '0', step: '1', value: '0', 'aria-label': 'Moment of the flight, in ticks' });
+  private readonly strip = element('canvas', { class: 'strip', 'aria-hidden': 'true' });
+  private readonly time = element('output', { class: 'time' });
+  private readonly play = button('', { class: 'secondary play' }, () => this.toggle());
+  private run: ReplayRun | null = null;
+  private disposed = false;
+  private file: string | null = null;
+  private readonly onKey = (event: KeyboardEvent) => this.shortcut(event);
+  private readonly onResize = () => this.drawStrip();
+  private drawStrip: () => void = () => {};
 
-  get length(): number {
-    return this.opening.ticks ?? 0;
-  }
-
-  /** True if some tick carried out something else than the record says. */
-  get differs(): boolean {
-    return this.ticks.some((tick) => tick.differs);
-  }
-
-  get isPlaying(): boolean {
-    return this.playing;
-  }
-
-  play(): void {
-    if (this.position >= this.length) this.position = 0;
-    this.playing = true;
-    this.lastAt = 0;
-  }
-
-  pause(): void {
-    this.playing = false;
-  }
-
-  seek(position: number): void {
-    this.position = Math.min(Math.max(position, 0), this.length);
-    const whole = Math.floor(this.position);
-    this.moved(this.ticks[whole - 1] ?? null, whole, this.ticks.slice(Math.max(whole - HISTORY, 0), whole));
+  constructor(private readonly context: Context, private readonly source: Source) {
+    window.addEventListener('keydown', this.onKey);
+    window.addEventListener('resize', this.onResize);
+    void this.open();
   }
 
   dispose(): void {
-    cancelAnimationFrame(this.frame);
+    this.disposed = true;
+    this.run?.dispose();
+    if (this.file !== null) URL.revokeObjectURL(this.file);
+    window.removeEventListener('keydown', this.onKey);
+    window.removeEventListener('resize', this.onResize);
   }
 
-  private drawFrame(now: number): void {
-    this.frame = requestAnimationFrame((next) => this.drawFrame(next));
-    if (this.playing) this.advance(now);
-    const whole = Math.min(Math.floor(this.position), this.length);
-    const older = this.posesAfter(whole);
-    const newer = this.posesAfter(Math.min(whole + 1, this.length));
-    this.stage.draw(older, newer, this.position - whole, this.playing ? now / 16 : 0);
-  }
-
-  private advance(now: number): void {
-    const passed = this.lastAt === 0 ? 0 : now - this.lastAt;
-    this.lastAt = now;
-    const before = Math.floor(this.position);
-    const rate = (this.opening.ticks_per_second * this.opening.setup.time_scale * this.speed) / 1000;
-    this.position = Math.min(this.position + passed * rate, this.length);
-    const whole = Math.floor(this.position);
-    for (let tick = before + 1; tick <= whole; tick += 1) this.moved(this.ticks[tick - 1] ?? null, tick, null);
-    if (this.position >= this.length) {
-      this.playing = false;
-      this.moved(this.ticks[whole - 1] ?? null, whole, null);
+  private async open(): Promise<void> {
+    const reading = element('p', { class: 'reading' }, 'Reading the record…');
+    this.main.replaceChildren(reading);
+    this.footer.replaceChildren(this.back());
+    let bytes: Uint8Array;
+    try {
+      bytes = await this.source.bytes();
+    } catch (error) {
+      if (!this.disposed) this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), element('p', {}, reasonOf(error))));
+      return;
+    }
+    if (this.disposed) return;
+    this.file = URL.createObjectURL(new Blob([bytes as Uint8Array<ArrayBuffer>]));
+    try {
+      await this.equip(bytes);
+      const told = (part: number) => (reading.textContent = `Flying it again… ${Math.round(100 * part)} %`);
+      const recording = await readRecording(this.context.core, bytes, () => !this.disposed, told);
+      if (recording !== null) this.show(recording, this.context.core.replay(bytes));
+    } catch (error) {
+      if (!this.disposed) await this.cannotFly(bytes, error);
     }
   }
 
-  private posesAfter(ticks: number) {
-    return ticks === 0 ? this.opening.poses : (this.ticks[ticks - 1]?.poses ?? this.opening.poses);
+  /** Gets the models that the record names. One that is gone is told by the loop. */
+  private async equip(bytes: Uint8Array): Promise<void> {
+    const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(5, true);
+    const header = JSON.parse(new TextDecoder().decode(bytes.subarray(9, 9 + length))) as { setup: { values: string | null; intent: string | null } };
+    for (const hash of [header.setup.values, header.setup.intent]) {
+      try {
+        await this.context.hangar.equip(this.context.core, [hash]);
+      } catch {
+        // The loop says which model is missing, and the sheet shows what needs none.
+      }
+    }
   }
+
+  private async cannotFly(bytes: Uint8Array, error: unknown): Promise<void> {
+    if (!(error instanceof CoreError)) await this.context.core.revive();
+    if (!this.disposed) this.showSheet(sheetOf(bytes, sentence(reasonOf(error))));
+  }
+
+  private showSheet(sheet: HTMLElement): void {
+    this.main.className = 'page';
+    this.main.replaceChildren(sheet);
+    this.footer.replaceChildren(this.back(), element('span', { class: 'spacer' }), ...this.download());
+  }
+
+  private show(recording: Recording, exact: ReplayReport): void {
+    const { opening, length } = recording;
+    const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': 'The recorded flight' });
+    const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
+    this.main.replaceChildren(element('div', { class: 'stage' }, back, canvas, this.title), this.overlay.node);
+    this.overlay.begin(opening.setup.rule, opening.pilot_goal, opening.goals, []);
+    const ending = recording.tickAt(length)?.ending ?? 'abandoned';
+    this.showTitle(recording, ending, exact);
+    this.slider.max = String(length);
+    this.slider.addEventListener('input', () => this.seek(Number(this.slider.value)));
+    this.drawStrip = () => drawStrip(this.strip, recording.history, 0, length);
+    const speed = select('speed', SPEEDS, '1', (chosen) => {
+      if (this.run !== null) this.run.speed = Number(chosen);
+    });
+    this.footer.replaceChildren(this.back(), this.play,
+      element('div', { class: 'scrubber' }, this.strip, this.slider), this.time, speed, ...this.download());
+    this.run = new ReplayRun(recording, new Stage(back, canvas), (tick, position) => {
+      this.slider.value = String(position);
+      this.time.textContent = `${(position / opening.ticks_per_second).toFixed(2)} s`;
+      this.overlay.show(tick, recording.history, position);
+      this.showPlay();
+    });
+    this.run.seek(0);
+    this.run.play();
+    this.showPlay();
+    this.drawStrip();
+  }
+
+  private showTitle({ opening, differing }: Recording, ending: Ending, exact: ReplayReport): void {
+    const { setup } = opening;
+    const { sign, word } = ENDING_WORDS[ending];
+    const parts = [exact.plant_identical ? '' : 'physics', exact.decisions_identical === false ? 'decisions' : '', exact.requests_identical === false ? 'requests' : ''];
+    const mark = exact.identical && differing === 0 ? '✓ flown again, bit for bit the same'
+      : `✕ differs from its record: ${parts.filter((part) => part !== '').join(', ') || 'what was carried out'}`;
+    this.title.replaceChildren(
+      element('b', {}, this.source.title),
+      element('span', { class: 'outcome', 'data-outcome': ending }, `${sign} ${word}`),
+      element('span', {}, `${RULE_NAMES[setup.rule.rule]} · ${setup.task.plant} · ${setup.pilot} · seed ${setup.seed}`),
+      element('span', { class: 'exact', 'data-identical': String(exact.identical && differing === 0) }, mark));
+  }
+
+  private back(): HTMLButtonElement {
+    const { label, place } = this.source.back;
+    return button(`← ${label}`, { class: 'secondary' }, () => this.context.go(place));
+  }
+
+  private download(): HTMLElement[] {
+    if (this.file === null) return [];
+    const name = `${this.source.title.toLowerCase().replace(/[^a-z0-9]+/g, '-')}.cohelm`;
+    return [element('a', { href: this.file, download: name, class: 'secondary' }, 'Save')];
+  }
+
+  private seek(position: number): void {
+    this.run?.pause();
+    this.run?.seek(position);
+  }
+
+  private toggle(): void {
+    if (this.run === null) return;
+    if (this.run.isPlaying) this.run.pause();
+    else this.run.play();
+    this.showPlay();
+  }
+
+  private showPlay(): void {
+    const playing = this.run?.isPlaying === true;
+    this.play.textContent = playing ? '❚❚ Pause' : '▶ Play';
+  }
+
+  private shortcut(event: KeyboardEvent): void {
+    if (this.run === null || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.code === 'Escape') this.context.go(this.source.back.place);
+    if (isTheirs(event)) return;
+    const step = event.shiftKey ? LONG_STEP : 1;
+    const act = {
+      Space: () => this.toggle(),
+      ArrowLeft: () => this.seek(this.run!.tick - step),
+      ArrowRight: () => this.seek(this.run!.tick + step),
+      Home: () => this.seek(0),
+      End: () => this.seek(Infinity),
+      Enter: () => this.context.go(this.source.back.place),
+    }[event.code];
+    if (act === undefined) return;
+    event.preventDefault();
+    if (!event.repeat || event.code.startsWith('Arrow')) act();
+  }
+}
+
+function sentence(text: string): string {
+  const whole = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?]$/.test(whole) ? whole : `${whole}.`;
 }

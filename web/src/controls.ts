@@ -1,0 +1,138 @@
+// The footer of the flying view: mode, speed, and a panel for what is chosen more rarely.
+
+import type { ModelEntry } from './api';
+import { button, element, select } from './dom';
+import type { ActionSet, Hangar, Task } from './hangar';
+import { INFERENCES, MODES, TIME_SCALES, type ModeEntry, type Settings } from './settings';
+
+/** What is chosen is told; what can be chosen follows from plant, actions and models. */
+export class Controls {
+  readonly node = element('footer', {});
+  /** The seed of the next flight, if somebody wants a certain one. */
+  seed: number | null = null;
+  private readonly panel = element('div', { class: 'panel', id: 'choices', hidden: true });
+  private readonly opener: HTMLButtonElement;
+
+  constructor(
+    private readonly hangar: Hangar,
+    private readonly settings: Settings,
+    private readonly changed: (change: Partial<Settings>) => void,
+    private readonly toggleOverlay: () => void,
+  ) {
+    this.opener = button('', { class: 'secondary opener', 'aria-expanded': 'false', 'aria-controls': 'choices' }, () => this.open(this.panel.hidden !== false));
+    // A click leaves the focus on a button, where the next Space or Enter would press it again; keys leave it there.
+    this.node.addEventListener('click', (event) => {
+      if (event.detail > 0 && event.target instanceof HTMLButtonElement) event.target.blur();
+    });
+    this.panel.addEventListener('keydown', (event) => {
+      if (event.key !== 'Escape') return;
+      event.stopPropagation();
+      this.open(false);
+      this.opener.focus();
+    });
+  }
+
+  get actionSet(): ActionSet {
+    const sets = this.hangar.actionSets(this.plant);
+    return sets.find((set) => set.key === this.settings.actions) ?? sets[0] ?? { key: 'usual', label: '', options: {} };
+  }
+
+  get plant(): string {
+    const { plants } = this.hangar;
+    return plants.find((known) => known.name === this.settings.plant)?.name ?? plants[0]?.name ?? '';
+  }
+
+  get task(): Task {
+    return { plant: this.plant, options: this.actionSet.options };
+  }
+
+  get mode(): ModeEntry {
+    return MODES.find((known) => known.mode === this.settings.mode) ?? MODES[0]!;
+  }
+
+  /** Why a mode cannot be flown with this task; null if it can. */
+  whyNot({ needs }: ModeEntry): string | null {
+    const trained = this.hangar.fitting('values', this.task).length > 0;
+    const own = this.hangar.try(this.task)?.hasValues === true;
+    if (needs === 'nothing' || trained || (needs === 'values' && own)) return null;
+    return own ? 'This needs a trained co-pilot; the plant’s own values have no measured range.'
+      : 'There is no trained co-pilot for these actions.';
+  }
+
+  /** Builds it anew after a change of what can be chosen. */
+  build(): void {
+    const { settings } = this;
+    const { label } = this.actionSet;
+    this.opener.textContent = `${this.plant} · ${label} ▴`;
+    const open = this.panel.hidden === false;
+    this.panel.replaceChildren(...this.choices());
+    this.node.replaceChildren(this.modes(),
+      select('speed', TIME_SCALES, String(settings.timeScale), (scale) => this.changed({ timeScale: Number(scale) })),
+      element('span', { class: 'choices' }, this.opener, this.panel), element('span', { class: 'spacer' }), this.overlayButton());
+    this.open(open);
+  }
+
+  private overlayButton(): HTMLButtonElement {
+    const made = button('Overlay ', { class: 'secondary', 'aria-pressed': String(this.settings.overlay) }, () => {
+      this.toggleOverlay();
+      made.setAttribute('aria-pressed', String(this.settings.overlay));
+    });
+    made.append(element('kbd', {}, 'O'));
+    return made;
+  }
+
+  private modes(): HTMLElement {
+    const box = element('div', { class: 'segmented', role: 'group', 'aria-label': 'Mode' });
+    for (const entry of MODES) {
+      const why = this.whyNot(entry);
+      const pressed = String(entry.mode === this.settings.mode);
+      const attributes = { title: why === null ? entry.title : `${entry.title}. ${why}`, 'data-mode': entry.mode, 'aria-pressed': pressed };
+      box.append(button(entry.label, { ...attributes, 'aria-disabled': String(why !== null) }, () => this.changed({ mode: entry.mode })));
+    }
+    return box;
+  }
+
+  private choices(): HTMLElement[] {
+    const { hangar, settings, task } = this;
+    const plants = hangar.plants.map(({ name }): [string, string] => [name, name]);
+    const sets = hangar.actionSets(task.plant).map(({ key, label }): [string, string] => [key, label]);
+    const values = hangar.fitting('values', task).map((model): [string, string] => [model.hash, nameOf(model, hangar.learning)]);
+    const inferences = hangar.fitting('intent', task).length > 0 ? INFERENCES : INFERENCES.filter(([inference]) => inference === 'nearest');
+    const summary = hangar.plants.find((known) => known.name === task.plant)?.summary ?? '';
+    const chosen = values.some(([hash]) => hash === settings.values) ? settings.values : (values[0]?.[0] ?? '');
+    return [
+      element('p', {}, summary),
+      select('plant', plants, task.plant, (plant) => this.changed({ plant })),
+      select('actions', sets, this.actionSet.key, (actions) => this.changed({ actions })),
+      select('co-pilot', values.length > 0 ? values : [['', 'none']], chosen,
+        (hash) => this.changed({ values: hash === values[0]?.[0] ? '' : hash })),
+      select('confidence', inferences, settings.inference, (inference) => this.changed({ inference: inference as Settings['inference'] })),
+      this.seedBox(),
+    ];
+  }
+
+  private seedBox(): HTMLElement {
+    const box = element('input', { type: 'number', min: '0', step: '1', placeholder: 'random', value: this.seed === null ? '' : String(this.seed) });
+    box.addEventListener('change', () => {
+      const seed = box.value === '' ? null : Number(box.value);
+      this.seed = seed !== null && Number.isSafeInteger(seed) && seed >= 0 ? seed : null;
+      this.changed({});
+    });
+    return element('label', {}, 'seed', box);
+  }
+
+  private open(open: boolean): void {
+    this.panel.hidden = !open;
+    this.opener.setAttribute('aria-expanded', String(open));
+  }
+
+  /** Puts the panel away. */
+  close(): void {
+    this.open(false);
+  }
+}
+
+function nameOf({ hash, card }: ModelEntry, learning: string | null): string {
+  const variant = card.variant === null ? '' : ` (${card.variant})`;
+  return `${card.name}${variant} ${hash.slice(0, 6)}${hash === learning ? ', learning' : ''}`;
+}

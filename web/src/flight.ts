@@ -1,0 +1,216 @@
+// One flight in the page: the loop ticks by the clock, keys act at the next tick, the canvas draws in between.
+
+import { TickClock } from './clock';
+import type { Core, Ending, KeyKind, Opening, Setup, Tick } from './core';
+import { PadListener } from './gamepad';
+import { KeyListener } from './keys';
+import { eventsBefore } from './record';
+import type { Stage } from './stage';
+
+/** What the flight tells whoever shows it. */
+export interface FlightEvents {
+  /** A tick was flown. */
+  tick(tick: Tick): void;
+  /** It was paused (hidden tab, lost focus, Esc) or goes on. */
+  paused(paused: boolean): void;
+  /** It ended. */
+  ended(summary: FlightSummary): void;
+  /** The loop stopped; the flight ends where its log was last handed on. */
+  failed(error: unknown): void;
+}
+
+/** What is said after a flight. */
+export interface FlightSummary {
+  ending: Ending;
+  ticks: number;
+  seconds: number;
+  commands: number;
+  corrected: number;
+  lateTicks: number;
+  lateFrames: number;
+  record: Uint8Array;
+}
+
+/** Where the key log goes while the flight runs, a second at a time. */
+export interface KeyLogSink {
+  chunk(fromTick: number, toTick: number, events: Uint8Array, digests: { plant: string; decisions: string }): void;
+}
+
+const CHUNK_TICKS = 50;
+/** How often the clock is looked at, ms: a tick is flown when it is due, not when the display happens to draw. */
+const LOOK_EVERY_MS = 4;
+/** A frame that comes later than this after the last, ms, is counted: two frames of a 60 Hz display. */
+const LATE_FRAME_MS = 34;
+
+/** A flight from its opening to its end. */
+export class FlightRun {
+  readonly opening: Opening;
+  private readonly clock: TickClock;
+  private readonly keys: KeyListener;
+  private readonly pad: PadListener;
+  private older;
+  private newer;
+  private frame = 0;
+  private timer = 0;
+  private state: 'ready' | 'flying' | 'paused' | 'ended' = 'ready';
+  private startedAt = 0;
+  private counts = { ticks: 0, commands: 0, corrected: 0, lateFrames: 0 };
+  private lastFrameAt = 0;
+  private chunkFrom = 0;
+  private eventsSent = 0;
+
+  constructor(
+    private readonly core: Core,
+    setup: Setup,
+    hasAxes: boolean,
+    private readonly stage: Stage,
+    private readonly events: FlightEvents,
+    private readonly sink: KeyLogSink | null,
+  ) {
+    this.opening = core.begin(setup);
+    const { controls, poses, ticks_per_second, scene, pilot_goal } = this.opening;
+    this.older = poses;
+    this.newer = poses;
+    this.clock = new TickClock(1000 / (ticks_per_second * setup.time_scale));
+    const change = (kind: KeyKind, control: number, at: number) => this.key(kind, control, at);
+    this.keys = new KeyListener(controls, change);
+    this.pad = new PadListener(controls, hasAxes, change, (stick, at) => this.log(() => core.stick(stick, at - this.startedAt)));
+    stage.show(scene, pilot_goal, setup.seed, ticks_per_second * setup.time_scale);
+    this.frame = requestAnimationFrame((now) => this.drawFrame(now));
+  }
+
+  /** Starts, or goes on after a pause. */
+  start(): void {
+    if (this.state !== 'ready' && this.state !== 'paused') return;
+    const now = performance.now();
+    if (this.state === 'ready') {
+      this.startedAt = now;
+      this.keys.attach(window);
+    }
+    this.state = 'flying';
+    this.lastFrameAt = 0;
+    this.clock.start(now);
+    this.timer = window.setInterval(() => this.fly(performance.now()), LOOK_EVERY_MS);
+    this.events.paused(false);
+  }
+
+  pause(): void {
+    if (this.state !== 'flying') return;
+    const now = performance.now();
+    this.keys.releaseAll(now);
+    this.pad.releaseAll(now);
+    this.clock.pause(now);
+    clearInterval(this.timer);
+    this.state = 'paused';
+    this.events.paused(true);
+  }
+
+  /** Ends the flight as it is. */
+  abandon(): void {
+    if (this.state === 'flying' || this.state === 'paused') this.guard(() => this.end('abandoned'));
+  }
+
+  /** Lets go of window, clock and canvas. */
+  dispose(): void {
+    cancelAnimationFrame(this.frame);
+    clearInterval(this.timer);
+    this.keys.detach();
+  }
+
+  get isOver(): boolean {
+    return this.state === 'ended';
+  }
+
+  get isReady(): boolean {
+    return this.state === 'ready';
+  }
+
+  get isFlying(): boolean {
+    return this.state === 'flying';
+  }
+
+  /** Ticks flown. */
+  get ticks(): number {
+    return this.counts.ticks;
+  }
+
+  /** Controls that are held now. */
+  held(): ReadonlySet<number> {
+    return new Set([...this.keys.heldControls(), ...this.pad.heldControls()]);
+  }
+
+  private key(kind: KeyKind, control: number, timeStamp: number): void {
+    this.log(() => this.core.key(kind, control, timeStamp - this.startedAt));
+  }
+
+  private log(change: () => void): void {
+    if (this.state !== 'flying') return;
+    this.guard(change);
+  }
+
+  private drawFrame(now: number): void {
+    this.frame = requestAnimationFrame((next) => this.drawFrame(next));
+    if (this.state === 'flying') {
+      if (this.lastFrameAt > 0 && now - this.lastFrameAt > LATE_FRAME_MS) this.counts.lateFrames += 1;
+      this.lastFrameAt = now;
+      this.fly(now);
+    }
+    this.stage.draw(this.older, this.newer, this.clock.between(now), now, this.state !== 'paused');
+  }
+
+  private fly(now: number): void {
+    for (let due = this.clock.due(now); due > 0 && this.state === 'flying'; due -= 1) this.guard(() => this.tick(now));
+  }
+
+  private tick(now: number): void {
+    this.pad.poll(now);
+    const tick = this.core.tick();
+    if (tick === null) return;
+    this.counts.ticks += 1;
+    if (tick.asked !== null) this.counts.commands += 1;
+    if (tick.intervention?.effective === true) this.counts.corrected += 1;
+    this.older = this.newer;
+    this.newer = tick.poses;
+    this.stage.note(tick);
+    this.events.tick(tick);
+    if (this.counts.ticks % CHUNK_TICKS === 0) this.sendChunk();
+    if (tick.ending !== null) this.end(tick.ending);
+  }
+
+  private sendChunk(): void {
+    if (this.sink === null || this.counts.ticks === this.chunkFrom) return;
+    const digests = this.core.digests();
+    // What was done after the last tick belongs to the next piece, or, at the end, to none.
+    const { count, bytes } = eventsBefore(this.core.eventsFrom(this.eventsSent), this.counts.ticks);
+    this.sink.chunk(this.chunkFrom, this.counts.ticks, bytes, digests);
+    this.chunkFrom = this.counts.ticks;
+    this.eventsSent += count;
+  }
+
+  private end(ending: Ending): void {
+    this.sendChunk();
+    this.stop();
+    const { ticks, commands, corrected, lateFrames } = this.counts;
+    const seconds = ticks / this.opening.ticks_per_second;
+    const record = this.core.finish();
+    this.stage.end(ending);
+    this.events.ended({ ending, ticks, seconds, commands, corrected, lateTicks: this.clock.late, lateFrames, record });
+  }
+
+  private stop(): void {
+    this.state = 'ended';
+    this.clock.stop();
+    clearInterval(this.timer);
+    this.keys.detach();
+  }
+
+  /** The loop never fails in a tick; if it does, that is a bug, and the page must say so and live on. */
+  private guard(work: () => void): void {
+    try {
+      work();
+    } catch (error) {
+      this.stop();
+      this.events.failed(error);
+    }
+  }
+}

@@ -1,0 +1,42 @@
+// Readings over the sky: time, keys, speed, tilt. They say little, and that at a glance.
+
+import type { Opening } from './core';
+import { element } from './dom';
+import { keyCap } from './keys';
+import type { Stage } from './stage';
+
+export class Hud {
+  readonly node = element('div', { class: 'hud', 'aria-hidden': 'true' });
+  private readonly clock = element('b', { class: 'clock' });
+  private readonly mode = element('span', { class: 'mode' });
+  private readonly pressed = element('span', { class: 'pressed' });
+  private readonly needle = element('i', {});
+  private readonly tilt = element('span', {});
+  private readonly upwards = element('span', {});
+  private readonly across = element('span', {});
+
+  constructor() {
+    this.node.append(
+      element('div', {}, this.clock, this.mode),
+      this.pressed,
+      element('div', { class: 'readings' },
+        element('span', { class: 'dial' }, this.needle), this.tilt, this.upwards, this.across));
+  }
+
+  begin(opening: Opening, mode: string): void {
+    this.mode.textContent = mode;
+    this.pressed.replaceChildren(...opening.controls.map((control) =>
+      element('kbd', { title: control.name }, keyCap(control.keys[0] ?? '?'))));
+    this.show(0, new Set(), { across: 0, upwards: 0, tilt_rad: 0 });
+  }
+
+  show(seconds: number, held: ReadonlySet<number>, { across, upwards, tilt_rad }: Stage['readings']): void {
+    [...this.pressed.children].forEach((cap, control) => cap.classList.toggle('held', held.has(control)));
+    this.clock.textContent = `${seconds.toFixed(1)} s`;
+    const degrees = (tilt_rad * 180) / Math.PI;
+    this.needle.style.transform = `rotate(${-degrees}deg)`;
+    this.tilt.textContent = `tilt ${Math.abs(degrees).toFixed(0)}°`;
+    this.upwards.textContent = `${upwards < -0.05 ? '↓' : upwards > 0.05 ? '↑' : '↕'} ${Math.abs(upwards).toFixed(1)}`;
+    this.across.textContent = `${across < -0.05 ? '←' : across > 0.05 ? '→' : '↔'} ${Math.abs(across).toFixed(1)}`;
+  }
+}

@@ -1,0 +1,74 @@
+// What can be read of a record without flying it: docs/records.md says what each byte is.
+
+import type { Ending, Setup } from './core';
+
+/** The format this page reads. */
+const FORMAT = 1;
+const NOTHING = 255;
+const AXES = 254;
+const STICK = 3;
+/** Bytes of an event, and of one that moved a stick. */
+const [EVENT, STICK_EVENT] = [10, 18];
+
+/** An action as a record has it: the index of a command, four axes, or nothing. */
+export type Recorded = number | [number, number, number, number] | null;
+
+/** A record's contents. */
+export interface FlightRecord {
+  setup: Setup;
+  ending: Ending;
+  asked: Recorded[];
+  executed: Recorded[];
+  /** How many key events it has. */
+  events: number;
+}
+
+/** Bytes that are no record, or one of a format that this page does not read. */
+export class RecordError extends Error {}
+
+/** Reads a record; the loop checks it far more strictly before it flies it. */
+export function readRecord(bytes: Uint8Array): FlightRecord {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  if (bytes.length < 9 || new TextDecoder().decode(bytes.subarray(0, 4)) !== 'CHLM') {
+    throw new RecordError('This is no record of a flight.');
+  }
+  if (view.getUint8(4) !== FORMAT) {
+    throw new RecordError(`This record has format ${view.getUint8(4)}; this page reads format ${FORMAT}. Use the version of cohelm that wrote it.`);
+  }
+  const body = 9 + view.getUint32(5, true);
+  try {
+    const header = JSON.parse(new TextDecoder().decode(bytes.subarray(9, body))) as
+      { setup: Setup; ending: Ending; ticks: number; events: number };
+    const record: FlightRecord = { setup: header.setup, ending: header.ending, asked: [], executed: [], events: header.events };
+    let at = body;
+    for (let tick = 0; tick < header.ticks; tick += 1) {
+      for (const list of [record.asked, record.executed]) {
+        const [action, next] = readAction(view, at);
+        list.push(action);
+        at = next;
+      }
+    }
+    return record;
+  } catch (error) {
+    throw new RecordError(`This record is damaged: ${String(error)}`);
+  }
+}
+
+function readAction(view: DataView, at: number): [Recorded, number] {
+  const kind = view.getUint8(at);
+  if (kind === NOTHING) return [null, at + 1];
+  if (kind !== AXES) return [kind, at + 1];
+  const axis = (i: number) => view.getFloat32(at + 1 + 4 * i, true);
+  return [[axis(0), axis(1), axis(2), axis(3)], at + 17];
+}
+
+/** The events of a key log that lie before a tick: how many, and their bytes. */
+export function eventsBefore(log: Uint8Array, tick: number): { count: number; bytes: Uint8Array } {
+  const view = new DataView(log.buffer, log.byteOffset, log.byteLength);
+  let [at, count] = [0, 0];
+  while (at + EVENT <= log.length && view.getUint32(at, true) < tick) {
+    at += view.getUint8(at + 8) === STICK ? STICK_EVENT : EVENT;
+    count += 1;
+  }
+  return { count, bytes: log.subarray(0, at) };
+}

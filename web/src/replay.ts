@@ -1,0 +1,144 @@
+// A recorded flight, wound to any moment: the loop flies it again in the page, tick by tick.
+
+import type { Core, Opening, Pose, Tick } from './core';
+import { History } from './history';
+import type { Stage } from './stage';
+
+/** How long the page may be kept busy reading a record before it draws again, ms. */
+const BUSY_MS = 24;
+/** Numbers of a pose. */
+const POSE = 4;
+
+/** What is kept of a record to draw any moment of it: little, since records may be long. */
+export interface Recording {
+  opening: Opening;
+  length: number;
+  /** Ticks at which something else was carried out now than the record says. */
+  differing: number;
+  history: History;
+  /** The poses before each tick, and after the last one. */
+  posesAt(tick: number): Pose[];
+  /** Index of the last tick's ending is the record's own; the whole tick, read again. */
+  tickAt(tick: number): Tick | null;
+}
+
+/** Flies a record through once; null if `goOn` said no in between. `told` hears how much of it was read, 0 to 1. */
+export async function readRecording(
+  core: Core,
+  record: Uint8Array,
+  goOn: () => boolean,
+  told: (part: number) => void,
+): Promise<Recording | null> {
+  const opening = core.watch(record);
+  const length = opening.ticks ?? 0;
+  const parts = opening.poses.length;
+  const poses = new Float32Array((length + 1) * parts * POSE);
+  const keep = (tick: number, list: Pose[]) =>
+    list.forEach((pose, i) => poses.set([pose.x, pose.y, pose.angle_rad, pose.strength], (tick * parts + i) * POSE));
+  keep(0, opening.poses);
+  const history = new History();
+  let differing = 0;
+  let busySince = performance.now();
+  for (let tick = 1; tick <= length; tick += 1) {
+    const report = core.seek(tick);
+    if (report === null) break;
+    keep(tick, report.poses);
+    history.push(report);
+    if (report.differs) differing += 1;
+    if (performance.now() - busySince > BUSY_MS) {
+      told(tick / length);
+      await new Promise((resume) => setTimeout(resume));
+      if (!goOn()) return null;
+      busySince = performance.now();
+    }
+  }
+  const posesAt = (tick: number): Pose[] => Array.from({ length: parts }, (_, i) => {
+    const at = (tick * parts + i) * POSE;
+    return { x: poses[at]!, y: poses[at + 1]!, angle_rad: poses[at + 2]!, strength: poses[at + 3]! };
+  });
+  return { opening, length, differing, history, posesAt, tickAt: (tick) => (tick === 0 ? null : core.seek(tick)) };
+}
+
+/** Plays a recording on a stage. */
+export class ReplayRun {
+  speed = 1;
+  private position = 0;
+  private frame = 0;
+  private playing = false;
+  private lastAt = 0;
+  private over = false;
+
+  constructor(
+    private readonly recording: Recording,
+    private readonly stage: Stage,
+    private readonly moved: (tick: Tick | null, position: number) => void,
+  ) {
+    const { opening, history, length, posesAt } = recording;
+    stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, this.ticksPerSecond);
+    for (let tick = 1; tick <= length; tick += 1) {
+      const changed = ['corrected', 'opposed'].includes(history.outcomes[tick - 1] ?? 'none');
+      stage.note({ poses: posesAt(tick), intervention: { effective: changed, nominal: changed, opposed: false } });
+    }
+    this.frame = requestAnimationFrame((now) => this.drawFrame(now));
+  }
+
+  /** Ticks a second as the person saw them. */
+  get ticksPerSecond(): number {
+    return this.recording.opening.ticks_per_second * this.recording.opening.setup.time_scale;
+  }
+
+  get isPlaying(): boolean {
+    return this.playing;
+  }
+
+  /** Whole ticks from the beginning. */
+  get tick(): number {
+    return Math.min(Math.floor(this.position), this.recording.length);
+  }
+
+  play(): void {
+    if (this.position >= this.recording.length) this.seek(0);
+    this.playing = true;
+    this.lastAt = 0;
+  }
+
+  pause(): void {
+    this.playing = false;
+    this.lastAt = 0;
+  }
+
+  seek(position: number): void {
+    this.position = Math.min(Math.max(position, 0), this.recording.length);
+    this.tell();
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.frame);
+  }
+
+  private drawFrame(now: number): void {
+    this.frame = requestAnimationFrame((next) => this.drawFrame(next));
+    if (this.playing) this.advance(now);
+    const { recording, tick } = this;
+    const newer = Math.min(tick + 1, recording.length);
+    this.stage.draw(recording.posesAt(tick), recording.posesAt(newer), this.position - tick, now, this.playing || this.over, tick + 1);
+  }
+
+  private advance(now: number): void {
+    const passed = this.lastAt === 0 ? 0 : now - this.lastAt;
+    this.lastAt = now;
+    const before = this.tick;
+    this.position = Math.min(this.position + (passed * this.ticksPerSecond * this.speed) / 1000, this.recording.length);
+    if (this.position >= this.recording.length) this.playing = false;
+    if (this.tick !== before || !this.playing) this.tell();
+  }
+
+  private tell(): void {
+    const tick = this.recording.tickAt(this.tick);
+    const ended = this.tick >= this.recording.length && tick?.ending != null;
+    if (ended && !this.over) this.stage.end(tick.ending!);
+    if (!ended && this.over) this.stage.rewind();
+    this.over = ended;
+    this.moved(tick, this.tick);
+  }
+}
