@@ -127,6 +127,14 @@ impl Model {
         Self::from_bytes(&file.to_bytes()?)
     }
 
+    /// The same networks with another card.
+    pub fn with_card(&self, card: &Card) -> Result<Self, ModelError> {
+        match &self.network {
+            Network::Values(network) => Self::of_values(card, network),
+            Network::Intent(networks) => Self::of_intent(card, networks),
+        }
+    }
+
     /// SHA-256 of the file's bytes, in lower-case hexadecimal: what a record names a model by.
     pub fn hash(&self) -> &str {
         &self.hash

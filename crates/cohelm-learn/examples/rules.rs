@@ -11,7 +11,7 @@ use cohelm_copilot::{Kind, Models, cockpit};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut plants = Plants::default();
-    plants.register(cohelm_lander::flags::entry());
+    cohelm_lander::register(&mut plants);
     let mut models = Models::new();
     for file in std::env::args().skip(1) {
         models.add(&std::fs::read(file)?)?;

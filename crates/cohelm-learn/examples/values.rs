@@ -9,12 +9,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().collect();
     let arg = |i: usize, usual: &str| args.get(i).cloned().unwrap_or_else(|| usual.into());
     let mut plants = Plants::default();
-    plants.register(cohelm_lander::flags::entry());
+    cohelm_lander::register(&mut plants);
     let task: Task = serde_json::from_str(&arg(3, r#"{"plant":"flag-lander"}"#))?;
     let seed: u64 = arg(1, "0").parse()?;
     let options = arg(4, "{}");
-    let options: ValueOptions =
-        if options == "paper" { ValueOptions::paper() } else { serde_json::from_str(&options)? };
+    let options: ValueOptions = ValueOptions::preset(&options).or_else(|_| serde_json::from_str(&options))?;
     let job = Job {
         plants: &plants,
         task: &task,

@@ -70,6 +70,14 @@ pub enum LearnError {
     /// The result is no model.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A model or card could not be written.
+    #[error("{}: {reason}", .path.display())]
+    Write {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// A checkpoint could not be written or read.
     #[error("checkpoint {}: {reason}", .path.display())]
     Checkpoint {

@@ -28,6 +28,7 @@ pub mod people;
 mod progress;
 mod score;
 mod sequence;
+pub mod ship;
 pub mod values;
 mod wanting;
 mod window;

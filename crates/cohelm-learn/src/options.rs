@@ -117,9 +117,6 @@ pub struct Exploration {
     pub last: f64,
     /// Where the last part begins, as a share of the run.
     pub last_from: f64,
-    /// Probability, a round of 32 steps, that a random command is held for a while as a person would hold it, once
-    /// starts have grown to ordinary ones. 0: values are never asked about the states that people bring about.
-    pub holds: f64,
 }
 
 /// Starts near the goal (a reverse curriculum): from "at the goal already" outwards, as far as they succeed.
@@ -165,14 +162,7 @@ impl Default for ValueOptions {
             ahead: 16,
             warm_up: 5_000,
             mirror: true,
-            exploration: Exploration {
-                first: 1.0,
-                then: 0.05,
-                steps: 20_000,
-                last: 0.02,
-                last_from: 0.7,
-                holds: 0.0,
-            },
+            exploration: Exploration { first: 1.0, then: 0.05, steps: 20_000, last: 0.02, last_from: 0.7 },
             near_goal: Some(NearGoal {
                 first: 0.05,
                 growth: 0.1,
@@ -190,7 +180,36 @@ impl Default for ValueOptions {
     }
 }
 
+/// Names of the presets.
+pub const PRESETS: [&str; 4] = ["default", "paper", "sees-asked", "gymnasium"];
+
 impl ValueOptions {
+    /// The preset of a name.
+    pub fn preset(name: &str) -> Result<Self, LearnError> {
+        match name {
+            "default" => Ok(Self::default()),
+            "paper" => Ok(Self::paper()),
+            "sees-asked" => Ok(Self::seeing_what_is_asked()),
+            "gymnasium" => Ok(Self::gymnasium()),
+            _ => Err(LearnError::Option {
+                option: "preset",
+                reason: format!("there is none called {name:?}; there are: {}", PRESETS.join(", ")),
+            }),
+        }
+    }
+
+    /// The default for values that take the human command as input: pilots ask in every world, the robot flies and
+    /// hears them. What is asked then says nothing about what the robot's command will bring, since nobody carries it
+    /// out; it is there because the paper says so.
+    pub fn seeing_what_is_asked() -> Self {
+        Self { sees_asked: true, pilots: 1.0, pilots_steer: false, ..Self::default() }
+    }
+
+    /// The default for plants whose rewards are of the size of Gymnasium's, some hundreds an episode.
+    pub fn gymnasium() -> Self {
+        Self { reward_scale: 0.01, ..Self::default() }
+    }
+
     /// Algorithm 1 as printed, repaired only where it must be: commands are explored at random (as printed nothing
     /// explores), and nothing follows a terminal state.
     pub fn paper() -> Self {

@@ -159,7 +159,6 @@ impl<'a> Training<'a> {
             network: &self.learner.weights.online,
             curriculum: &self.curriculum,
             epsilon: epsilon(&self.options.exploration, self.steps(), self.share()),
-            holds: self.options.exploration.holds,
             round: self.rounds,
         };
         parallel::map_mut(&mut self.worlds, self.job.threads, |world| world.fly(ROUND_STEPS, policy));

@@ -25,28 +25,6 @@ const CONFIDENCE_IN_TRAINING: f32 = 0.6;
 /// How often a teacher's command is replaced by a random one, so that its flights also show how to recover.
 const TEACHER_SLIPS: f64 = 0.04;
 
-/// How often a held command is carried out while it is held; otherwise the robot gets through.
-const HOLDING: f64 = 0.75;
-/// Longest hold in steps; the shortest is a fifth of it.
-const LONGEST_HOLD: usize = 25;
-
-/// A random command that is held for part of a round.
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    command: u8,
-    from: usize,
-    to: usize,
-}
-
-impl Held {
-    fn draw(probability: f64, steps: usize, commands: usize, draws: &mut Draws) -> Option<Self> {
-        let held = draws.chance(probability);
-        let (command, from) = (draws.below(commands) as u8, draws.below(steps));
-        let to = from + LONGEST_HOLD / 5 + draws.below(LONGEST_HOLD * 4 / 5 + 1);
-        held.then_some(Self { command, from, to })
-    }
-}
-
 /// Streams of random numbers, apart from each other.
 mod stream {
     pub const EPISODES: u64 = 0x1000;
@@ -109,7 +87,7 @@ pub(crate) struct Flown {
 #[derive(Clone, Copy)]
 pub(crate) enum Policy<'a> {
     /// The network, as it was when the round began.
-    Network { network: &'a Mlp, curriculum: &'a Curriculum, epsilon: f64, holds: f64, round: u64 },
+    Network { network: &'a Mlp, curriculum: &'a Curriculum, epsilon: f64, round: u64 },
     /// What was logged before, a log for each world.
     Logged(&'a [Log]),
 }
@@ -132,8 +110,6 @@ pub(crate) struct World {
     input: Vec<f32>,
     episodes: u64,
     episode: Option<Episode>,
-    held: Option<Held>,
-    at: usize,
     /// Transitions of this round.
     pub memory: Memory,
     /// Episodes that ended in this round.
@@ -190,8 +166,6 @@ impl World {
             input: vec![0.0; encoder.len()],
             episodes: 0,
             episode: None,
-            held: None,
-            at: 0,
             memory: Memory::new(encoder.len(), usize::MAX),
             flown: Vec::new(),
             log: Log::default(),
@@ -208,14 +182,7 @@ impl World {
             }
             Policy::Logged(_) => Draws::new(0),
         };
-        self.held = match policy {
-            Policy::Network { curriculum, holds, .. } if curriculum.difficulty() >= 1.0 => {
-                Held::draw(holds, steps, self.outputs.commands(), &mut draws)
-            }
-            _ => None,
-        };
-        for at in 0..steps {
-            self.at = at;
+        for _ in 0..steps {
             self.step(policy, &mut draws);
         }
     }
@@ -282,11 +249,6 @@ impl World {
         }
         if draws.chance(epsilon) {
             return random(draws);
-        }
-        if let Some(held) = self.held.filter(|held| held.from <= self.at && self.at < held.to)
-            && draws.chance(HOLDING)
-        {
-            return held.command;
         }
         let switches = self.plant.view().switches;
         let values = network.forward(&self.input, &mut self.scratch);

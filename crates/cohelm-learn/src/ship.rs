@@ -1,0 +1,117 @@
+//! The models that come with the program, made from a list of recipes.
+
+use crate::checkpoint::replace;
+use crate::evaluate::{Evaluation, evaluate};
+use crate::intent::train_intent;
+use crate::intent_options::IntentOptions;
+use crate::job::{Job, LearnError, PilotFactory};
+use crate::options::ValueOptions;
+use crate::progress::Watch;
+use crate::values::train_values;
+use cohelm::registry::{Plants, Task};
+use cohelm_copilot::{Card, Model};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+/// Fresh episodes whose outcome goes into a shipped model's card; see [`evaluate`].
+pub const FRESH_EPISODES: usize = 300;
+/// The set that they are.
+pub const FRESH_SET: u64 = 1;
+
+/// How one shipped co-pilot is made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recipe {
+    /// Name of its models.
+    pub name: String,
+    /// See [`Card::variant`].
+    #[serde(default)]
+    pub variant: Option<String>,
+    /// Plant and options.
+    pub task: Task,
+    /// The seed.
+    pub seed: u64,
+    /// A preset of [`ValueOptions::preset`].
+    pub preset: String,
+    /// Options of intent training, if it gets an intent model of its own.
+    #[serde(default)]
+    pub intent: Option<IntentOptions>,
+}
+
+/// One shipped file.
+#[derive(Clone, Debug)]
+pub struct Shipped {
+    /// Where it was written.
+    pub path: PathBuf,
+    /// The model.
+    pub model: Model,
+    /// How values did on fresh episodes.
+    pub fresh: Option<Evaluation>,
+}
+
+/// With what recipes are carried out.
+#[derive(Clone, Copy)]
+pub struct Yard<'a> {
+    /// The plants there are.
+    pub plants: &'a Plants,
+    /// Their simulated pilots.
+    pub pilots: PilotFactory<'a>,
+    /// Threads to use.
+    pub threads: NonZeroUsize,
+    /// Where models and cards go.
+    pub folder: &'a Path,
+}
+
+/// Makes the models of one recipe and writes them, each with its card beside it.
+pub fn ship(yard: &Yard<'_>, recipe: &Recipe, watch: Watch<'_>) -> Result<Vec<Shipped>, LearnError> {
+    let job = Job {
+        plants: yard.plants,
+        task: &recipe.task,
+        seed: recipe.seed,
+        threads: yard.threads,
+        checkpoints: None,
+        name: &recipe.name,
+        variant: recipe.variant.as_deref(),
+    };
+    let options = ValueOptions::preset(&recipe.preset)?;
+    let trained = train_values(&job, &options, Some(yard.pilots), watch)?.model;
+    let fresh = evaluate(&job, &trained, FRESH_SET, FRESH_EPISODES)?;
+    let values = with_score(&trained, "fresh", json!(fresh))?;
+    let mut shipped = vec![write(yard.folder, values.clone(), Some(fresh))?];
+    if let Some(options) = &recipe.intent {
+        let intent = train_intent(&job, &values, options, yard.pilots, watch)?;
+        shipped.push(write(yard.folder, intent.model, None)?);
+    }
+    Ok(shipped)
+}
+
+/// The same model with one more score on its card.
+fn with_score(model: &Model, name: &str, score: Value) -> Result<Model, LearnError> {
+    let mut card = model.card().clone();
+    if let Value::Object(scores) = &mut card.scores {
+        scores.insert(name.into(), score);
+    }
+    Ok(model.with_card(&card)?)
+}
+
+fn write(folder: &Path, model: Model, fresh: Option<Evaluation>) -> Result<Shipped, LearnError> {
+    let Card { name, kind, .. } = model.card();
+    let path = folder.join(format!("{name}.{}.safetensors", kind.word()));
+    write_model(&path, &model)?;
+    Ok(Shipped { path, model, fresh })
+}
+
+/// Writes a model to a file, and its card beside it as `NAME.card.json` for people; each as a whole or not at all.
+pub fn write_model(path: &Path, model: &Model) -> Result<(), LearnError> {
+    let card = serde_json::to_string_pretty(&json!(model.card())).unwrap_or_default() + "\n";
+    for (path, bytes) in
+        [(path.to_owned(), model.bytes()), (path.with_extension("card.json"), card.as_bytes())]
+    {
+        let wrong =
+            |error: std::io::Error| LearnError::Write { path: path.clone(), reason: error.to_string() };
+        replace(&path, bytes).map_err(wrong)?;
+    }
+    Ok(())
+}
