@@ -1,6 +1,6 @@
 //! `cohelm fly`: the page, the co-pilot and the database, from one program.
 
-use crate::rig;
+use crate::{live, rig};
 use anyhow::{Context, Result};
 use clap::Args;
 use cohelm_server::hosts::Hosts;
@@ -42,7 +42,8 @@ impl Fly {
         let listener = bind(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), self.port)).await?;
         let store = open(&self.database).await?;
         let (plants, models) = (rig::plants(), rig::models(&self.models)?);
-        let lessons = None;
+        let lessons =
+            if self.learn { Some(live::lessons(&plants, &models, store.as_ref()).await?) } else { None };
         let parts = Parts {
             store: store.clone(),
             plants,

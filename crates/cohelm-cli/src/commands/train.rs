@@ -8,9 +8,14 @@ use clap::{Args, ValueEnum};
 use cohelm::human::Population;
 use cohelm::plant::Plant;
 use cohelm::registry::Task;
+use cohelm::trajectory::Trajectory;
 use cohelm_copilot::Model;
-use cohelm_learn::{IntentOptions, Job, Profile, Progress, TrainedIntent, TrainedValues, ValueOptions};
-use cohelm_learn::{train_intent, train_values};
+use cohelm_learn::ship::{Recipe, Yard, ship, write_model};
+use cohelm_learn::{
+    IntentOfPeople, IntentOptions, Job, Profile, Progress, RecordedFlight, TrainedIntent, TrainedValues,
+    ValueOptions, train_intent, train_intent_from, train_values,
+};
+use cohelm_server::store::{Page, Progress as Flown, SqliteStore, Store, unpack};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 use serde_json::json;
@@ -29,9 +34,10 @@ pub struct Train {
     /// An option of the plant, NAME=VALUE; may be given again.
     #[arg(long = "option", value_name = "NAME=VALUE")]
     options: Vec<String>,
-    /// Options of value training to begin with.
-    #[arg(long, value_enum, default_value_t = Preset::Default)]
-    preset: Preset,
+    /// Options of value training to begin with: default, paper, sees-asked or gymnasium (the usual one for
+    /// gymnasium-lander).
+    #[arg(long)]
+    preset: Option<String>,
     /// Changes an option of value training, NAME=JSON; may be given again.
     #[arg(long = "values", value_name = "NAME=JSON")]
     value_options: Vec<String>,
@@ -53,6 +59,12 @@ pub struct Train {
     /// Where models and cards are written, and checkpoints while training runs.
     #[arg(long, default_value = "trained", value_name = "FOLDER")]
     out: PathBuf,
+    /// Train intent on the flights of people in these databases, each one participant; every fifth is held out.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    from: Vec<PathBuf>,
+    /// Make all shipped models again, as the recipes in this file say.
+    #[arg(long, value_name = "RECIPES", num_args = 0..=1, default_missing_value = "models/recipes.json")]
+    ship: Option<PathBuf>,
     /// Say where the time went.
     #[arg(long)]
     profile: bool,
@@ -69,23 +81,18 @@ enum What {
     Intent,
 }
 
-/// Where the options of value training begin.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Preset {
-    /// What it needed to land.
-    Default,
-    /// Algorithm 1 as printed, repaired only where it must be.
-    Paper,
-}
-
 impl Train {
     /// Runs the command.
     pub fn run(self) -> Result<ExitCode> {
+        if let Some(recipes) = &self.ship {
+            return self.ship(recipes);
+        }
         let task = rig::task(&self.task, &self.options)?;
         let plants = rig::plants();
         let plant = plants.make(&task)?;
         let name = self.name.clone().unwrap_or_else(|| usual_name(&task));
-        let variant = (self.preset == Preset::Paper).then_some("paper");
+        let usual = ["default", "gymnasium"].contains(&self.preset_name());
+        let variant = (!usual).then(|| self.preset_name());
         let job = Job {
             plants: &plants,
             task: &task,
@@ -97,6 +104,9 @@ impl Train {
         };
         std::fs::create_dir_all(&self.out)
             .with_context(|| format!("cannot make the folder {}", self.out.display()))?;
+        if !self.from.is_empty() {
+            return self.intent_of_people(&job);
+        }
         let values = match self.what {
             Some(What::Intent) => None,
             _ => Some(self.values(&job)?),
@@ -114,10 +124,7 @@ impl Train {
 
 impl Train {
     fn values(&self, job: &Job<'_>) -> Result<TrainedValues> {
-        let preset = match self.preset {
-            Preset::Default => ValueOptions::default(),
-            Preset::Paper => ValueOptions::paper(),
-        };
+        let preset = ValueOptions::preset(self.preset_name())?;
         let options: ValueOptions = changed(&preset, &self.value_options)?;
         let bar = self.bar();
         let trained = train_values(job, &options, Some(&pilots), &mut |progress| show(&bar, progress))?;
@@ -156,10 +163,84 @@ impl Train {
 
     fn write(&self, model: &Model) -> Result<()> {
         let card = model.card();
-        let stem = format!("{}.{}", card.name, card.kind.word());
-        write_whole(&self.out.join(format!("{stem}.safetensors")), model.bytes())?;
-        let text = serde_json::to_string_pretty(card)? + "\n";
-        write_whole(&self.out.join(format!("{stem}.card.json")), text.as_bytes())
+        Ok(write_model(&self.out.join(format!("{}.{}.safetensors", card.name, card.kind.word())), model)?)
+    }
+
+    fn preset_name(&self) -> &str {
+        let usual = if self.task == "gymnasium-lander" { "gymnasium" } else { "default" };
+        self.preset.as_deref().unwrap_or(usual)
+    }
+
+    /// Makes the models of all recipes, beside the file that holds them.
+    fn ship(&self, recipes: &Path) -> Result<ExitCode> {
+        let text =
+            std::fs::read_to_string(recipes).with_context(|| format!("cannot read {}", recipes.display()))?;
+        let recipes_of: Vec<Recipe> =
+            serde_json::from_str(&text).with_context(|| format!("{} holds no recipes", recipes.display()))?;
+        let folder = recipes.parent().unwrap_or(Path::new("."));
+        let plants = rig::plants();
+        let yard = Yard { plants: &plants, pilots: &pilots, threads: threads(self.threads), folder };
+        let bar = self.bar();
+        let mut made = Vec::new();
+        for recipe in &recipes_of {
+            for shipped in ship(&yard, recipe, &mut |progress| show(&bar, progress))? {
+                let landed = shipped.fresh.as_ref().map(|fresh| fresh.landed);
+                bar.println(format!(
+                    "{} {}",
+                    shipped.path.display(),
+                    landed.map_or(String::new(), |l| format!("{l:.3}"))
+                ));
+                made.push(
+                    json!({ "file": shipped.path, "hash": shipped.model.hash(), "fresh": shipped.fresh }),
+                );
+            }
+        }
+        bar.finish_and_clear();
+        self.format.print(&made, |made| {
+            let rows: Vec<Vec<String>> = made
+                .iter()
+                .map(|made| {
+                    let landed = made["fresh"]["landed"].as_f64();
+                    let file = made["file"].as_str().unwrap_or("").to_string();
+                    vec![file, landed.map_or("–".into(), |landed| format!("{:.1} %", 100.0 * landed))]
+                })
+                .collect();
+            table(&["model", "goal reached, 300 fresh episodes"], &rows)
+        });
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Trains intent on flights of people, one database a participant.
+    fn intent_of_people(&self, job: &Job<'_>) -> Result<ExitCode> {
+        let options: IntentOptions = changed(&IntentOptions::default(), &self.intent_options)?;
+        let mut flights = Vec::new();
+        for file in &self.from {
+            let participant = file.display().to_string();
+            flights.extend(
+                flights_of_people(file, job.task)?.into_iter().map(|flown| (participant.clone(), flown)),
+            );
+        }
+        if flights.is_empty() {
+            bail!("there is no finished flight of a person on {} in {:?}", job.task.plant, self.from);
+        }
+        let recorded: Vec<RecordedFlight<'_>> = flights
+            .iter()
+            .map(|(participant, trajectory)| RecordedFlight { participant, trajectory })
+            .collect();
+        let models = rig::models(self.model.as_slice())?;
+        let plant = job.plant()?;
+        let begin_with = models.newest_for(cohelm_copilot::Kind::Intent, job.task, plant.space());
+        let bar = self.bar();
+        let trained =
+            train_intent_from(job, &recorded, &options, begin_with, &mut |progress| show(&bar, progress))?;
+        bar.finish_and_clear();
+        self.write(&trained.model)?;
+        let report = json!({
+            "flights": flights.len(), "learnt_from": trained.learnt_from, "held_out": trained.held_out,
+            "scores": trained.scores, "before": trained.before, "hash": trained.model.hash(),
+        });
+        self.format.print(&report, |_| people_text(&trained));
+        Ok(ExitCode::SUCCESS)
     }
 
     fn report(&self, values: Option<&TrainedValues>, intent: Option<&TrainedIntent>) {
@@ -229,11 +310,49 @@ fn show(bar: &ProgressBar, progress: &Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Writes a file all at once: after a kill at any moment it is the old one or the new one.
-fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let beside = path.with_extension("part");
-    std::fs::write(&beside, bytes).with_context(|| format!("cannot write {}", beside.display()))?;
-    std::fs::rename(&beside, path).with_context(|| format!("cannot write {}", path.display()))
+/// Every finished flight of a person on the task's plant in a database.
+fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    runtime.block_on(async {
+        let store = SqliteStore::open_existing(file).await;
+        let store = store.with_context(|| format!("the database {}", file.display()))?;
+        let mut flights = Vec::new();
+        let mut page = Page::newest(500);
+        loop {
+            let episodes = store.episodes(page).await?;
+            let Some(last) = episodes.last() else { break };
+            page.before = Some(last.id);
+            for episode in episodes {
+                let wanted = episode.pilot == "person" && episode.plant == task.plant;
+                if !(wanted && matches!(episode.progress, Flown::Finished { .. })) {
+                    continue;
+                }
+                if let Some(packed) = store.record(episode.id).await? {
+                    flights.push(Trajectory::from_bytes(&unpack(&packed)?)?);
+                }
+            }
+        }
+        store.close().await;
+        Ok(flights)
+    })
+}
+
+fn people_text(trained: &IntentOfPeople) -> String {
+    let number = |value: f64| format!("{value:.3}");
+    let rows = |scores: &[cohelm_learn::HeadScores], when: &str| -> Vec<Vec<String>> {
+        let row = |head: &cohelm_learn::HeadScores| {
+            let all = &head.all;
+            let numbers = [all.accuracy, all.confidence, all.calibration_error].map(number);
+            [vec![head.head.word().into(), when.to_string(), all.ticks.to_string()], numbers.to_vec()]
+                .concat()
+        };
+        scores.iter().map(row).collect()
+    };
+    let mut all = trained.before.as_deref().map_or(Vec::new(), |before| rows(before, "before"));
+    all.extend(rows(&trained.scores, "after"));
+    let head = ["held-out participants: head", "", "n", "accuracy", "mean c", "calibration error"];
+    let (learnt, held) = (trained.learnt_from.len(), trained.held_out.len());
+    format!("learnt from {learnt} participants, scored on {held}\n\n{}", table(&head, &all))
 }
 
 fn values_text(trained: &TrainedValues, profile: bool) -> String {
