@@ -6,7 +6,7 @@
 //! | module | what it explains |
 //! |---|---|
 //! | [`mod@app`] | the routes |
-//! | [`serve`] | a listener and its end |
+//! | [`mod@serve`] | a listener and its end |
 //! | [`server`] | what all connections share |
 //! | `session` | one connection with a page |
 //! | [`protocol`] | what page and server say to each other, as bytes |

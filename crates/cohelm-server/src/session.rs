@@ -164,8 +164,10 @@ impl<'a> Session<'a> {
     /// Deals with one message to its end; gives the answer, if there is one.
     async fn hear(&mut self, bytes: &[u8]) -> Result<Option<ToPage>, Hangup> {
         match (FromPage::from_bytes(bytes)?, self.flight.take()) {
-            (FromPage::Begin(_), Some(_)) => Err(Hangup::out_of_turn("a flight is in the air: end it first")),
-            (FromPage::Begin(begin), None) => {
+            (FromPage::Begin(begin), before) => {
+                if let Some(before) = before {
+                    before.leave(self.server).await?;
+                }
                 let (flight, answer) = InTheAir::begin(self.server, begin).await?;
                 (self.ignoring, self.flight) = (flight.is_none(), flight);
                 Ok(Some(answer))

@@ -11,6 +11,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use cohelm::keys::controls;
 use cohelm::registry::Task;
+use cohelm_copilot::Model;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -63,13 +64,16 @@ pub async fn plants(State(server): State<Server>) -> Json<Value> {
     Json(json!({ "plants": described.collect::<Vec<_>>() }))
 }
 
-/// All models that were ever stored; `offered` are those that came with this program.
+/// All models that were ever stored. `offered` are those that came with this program; `usual` is the one of these to
+/// take for a plant and its actions unless another is wanted.
 pub async fn models(State(server): State<Server>) -> Result<Json<Value>, Problem> {
-    let offered = |model: &StoredModel| server.hangar().models().get(&model.hash).is_some();
+    let offered = server.hangar().models();
     let describe = |model: StoredModel| {
-        let offered = offered(&model);
+        let known = offered.get(&model.hash).map(Model::card);
+        let usual = known.and_then(|card| offered.newest_for(card.kind, &card.task, &card.space));
         let mut about = json!(model);
-        about["offered"] = offered.into();
+        about["offered"] = known.is_some().into();
+        about["usual"] = usual.is_some_and(|usual| usual.hash() == model.hash).into();
         about
     };
     let models: Vec<Value> = server.store().models().await?.into_iter().map(describe).collect();

@@ -2,12 +2,16 @@
 
 use super::*;
 use crate::hangar::is_hash;
+use crate::hosts::Hosts;
 use crate::page::Assets;
-use crate::store::{Store, Write, now_ms};
-use crate::testing::{Disk, flown, key, record, setup};
+use crate::server::Parts;
+use crate::store::{Origin, Store, Write, now_ms};
+use crate::testing::{Disk, buttons::model, flown, key, plants, record, setup};
 use axum::body::{Body, to_bytes};
 use cohelm::trajectory::Trajectory;
+use cohelm_copilot::Models;
 use serde_json::Value;
+use std::sync::Arc;
 use tower::ServiceExt;
 
 const FILES: &[(&str, &[u8])] = &[
@@ -285,6 +289,35 @@ async fn without_models_there_are_none_and_without_a_learner_nothing_learns() {
     assert!(is_hash(&hash));
     assert_eq!(get(&app, &format!("/api/models/{hash}")).await.status, StatusCode::NOT_FOUND);
     assert_eq!(get(&app, "/api/learn").await.json()["learning"], false);
+}
+
+#[tokio::test]
+async fn models_are_listed_with_their_cards_and_given_as_their_bytes() {
+    let disk = Disk::new().await;
+    let (older, usual, learned) = (model(0), model(1), model(2));
+    let mut models = Models::new();
+    models.add_model(older.clone());
+    models.add_model(usual.clone());
+    let keep = Write::Model { model: learned.clone(), origin: Origin::Learned, at_ms: 0 };
+    disk.store.commit(&[keep]).await.unwrap();
+    let store: Arc<dyn Store> = disk.store.clone();
+    let (hosts, assets) = (Hosts::loopback(), Assets::of(FILES));
+    let parts = Parts { store, plants: plants(), models, lessons: None, hosts, assets };
+    let app = app(Server::start(parts).await.unwrap());
+    let list = get(&app, "/api/models").await.json();
+    let rows = list["models"].as_array().unwrap();
+    assert_eq!(rows.len(), 3);
+    for (model, offered, is_usual) in [(&older, true, false), (&usual, true, true), (&learned, false, false)]
+    {
+        let row = rows.iter().find(|row| row["hash"] == model.hash()).unwrap();
+        assert_eq!((&row["offered"], &row["usual"]), (&offered.into(), &is_usual.into()), "{row}");
+        assert_eq!((&row["kind"], &row["card"]["seed"]), (&"values".into(), &model.card().seed.into()));
+        let answer = get(&app, &format!("/api/models/{}", model.hash())).await;
+        assert_eq!((answer.status, answer.body.as_slice()), (StatusCode::OK, model.bytes()));
+        assert!(answer.header(header::CACHE_CONTROL).contains("immutable"));
+    }
+    let upper = get(&app, &format!("/api/models/{}", usual.hash().to_uppercase())).await;
+    assert_eq!(upper.status, StatusCode::NOT_FOUND);
 }
 
 #[tokio::test]

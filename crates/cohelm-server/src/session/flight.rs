@@ -104,6 +104,17 @@ impl InTheAir {
         &self.lease
     }
 
+    /// The page went on to another flight: this one can be taken up again, unless there is nothing of it.
+    pub async fn leave(self, server: &Server) -> Result<(), Hangup> {
+        let Self { episode, follower, lease } = self;
+        tracing::info!(%episode, ticks = follower.ticks(), "flight left");
+        if follower.ticks() == 0 {
+            server.writer().write(vec![Write::Forget(episode)]).await?;
+        }
+        drop(lease);
+        Ok(())
+    }
+
     /// Follows a piece of the log and stores what was new. No flight comes back if it is not believed.
     pub async fn follow(self, server: &Server, chunk: Chunk) -> Result<(Option<Self>, ToPage), Hangup> {
         let Self { episode, mut follower, lease } = self;

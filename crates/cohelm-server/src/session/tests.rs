@@ -262,6 +262,22 @@ async fn a_key_with_another_setup_is_refused_and_the_flight_stays_as_it_is() {
 }
 
 #[tokio::test]
+async fn a_page_that_goes_on_to_another_flight_leaves_the_first_to_be_taken_up_again() {
+    let disk = Disk::new().await;
+    let mut line = Line::new(&disk.server().await).await;
+    let mut page = Page::new(setup(3));
+    let left = episode_of(&line.ask(begin(1, setup(3))).await);
+    line.ask(FromPage::Chunk(page.fly(50))).await;
+    let empty = episode_of(&line.ask(begin(2, setup(4))).await);
+    let next = episode_of(&line.ask(begin(3, setup(5))).await);
+    let rows = disk.store.episodes(ListPage::newest(9)).await.unwrap();
+    assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), [next, left], "{empty} never flew a tick");
+    let again = line.ask(begin(1, setup(3))).await;
+    assert_eq!(again, ToPage::Begun { episode: left, committed_tick: 50 });
+    assert_eq!(fly_on(&mut line, &mut page).await, ToPage::Finished { episode: left });
+}
+
+#[tokio::test]
 async fn messages_out_of_turn_close_the_connection_with_a_reason() {
     let disk = Disk::new().await;
     let server = disk.server().await;
@@ -271,7 +287,6 @@ async fn messages_out_of_turn_close_the_connection_with_a_reason() {
     for (said, words) in [
         (vec![FromPage::Chunk(chunk.clone())], "has not begun"),
         (vec![FromPage::End(end)], "has not begun"),
-        (vec![begin(1, setup(3)), begin(2, setup(3))], "end it first"),
         (vec![begin(3, setup(3)), FromPage::Chunk(later)], "send again from tick 0"),
     ] {
         let mut line = Line::new(&server).await;
