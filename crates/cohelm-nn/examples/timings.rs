@@ -8,7 +8,7 @@ use std::time::Instant;
 use cohelm_nn::bench;
 
 fn main() {
-    let timings = bench::measure(60);
+    let timings = bench::measure(300);
     println!("kernel {}, {:.0} GFLOP/s", timings.kernel, timings.gflops);
     for t in timings.timings {
         let ratio =
@@ -28,7 +28,7 @@ fn main() {
     for shape in shapes {
         let [rows, inner, n] = shape;
         let name = format!("{rows}x{inner}x{n}");
-        println!("{name:15} {:10.2}  {:10.2}", bench::product(shape, 60).best_us, library(shape, 60));
+        println!("{name:15} {:10.2}  {:10.2}", bench::product(shape, 300).best_us, library(shape, 300));
     }
 }
 
@@ -36,7 +36,7 @@ fn main() {
 fn library([rows, inner, n]: [usize; 3], runs: usize) -> f64 {
     let (a, b) = (vec![0.5f32; rows * inner], vec![0.25f32; inner * n]);
     let mut c = vec![0.0f32; rows * n];
-    let repetitions = (1e8 / (rows * inner * n) as f64).ceil() as usize;
+    let repetitions = (2e7 / (rows * inner * n) as f64).ceil() as usize;
     let mut batch = || {
         let start = Instant::now();
         for _ in 0..repetitions {

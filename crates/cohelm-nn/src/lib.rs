@@ -1,16 +1,16 @@
 //! Two small networks, an [`Mlp`](mlp::Mlp) and an [`Lstm`](lstm::Lstm), trained here and run here.
 //!
 //! The same weights have two forward passes. Training's ([`mlp::MlpBatch`], [`lstm::LstmBatch`]) works on
-//! whole batches through a GEMM library, as fast as the CPU allows. The control loop's ([`mlp::Mlp::forward`],
+//! whole batches with the widest vectors that the CPU has. The control loop's ([`mlp::Mlp::forward`],
 //! [`lstm::Lstm::step`]) takes one observation, allocates nothing, cannot fail, and gives the same bits on
 //! every CPU and in WebAssembly ([`fingerprint::control_loop`] is how two builds compare). The two agree to
 //! about 1e-6, not to the bit.
 //!
 //! Gradients are written by hand for exactly these two networks, and held against finite differences and
-//! against numbers recorded from PyTorch. The crate knows no plant, no clock and no file, draws no random
-//! number (callers hand in a source), and starts no thread: workspaces belong to one thread each, and a
-//! trainer that gives chunk i of a batch to any thread and adds up the gradients in the order of the chunks
-//! ([`adam::add_in_order`]) gets the same weights from any number of threads.
+//! against numbers recorded from PyTorch. The crate knows no plant, no file, and no clock but in [`bench`]; it
+//! draws no random number (callers hand in a source) and starts no thread. Workspaces belong to one thread
+//! each, and a trainer that gives chunk i of a batch to any thread and adds up the gradients in the order of
+//! the chunks ([`adam::add_in_order`]) gets the same weights from any number of threads.
 //!
 //! Without the default feature `train` only what a page needs is left: the control loop's passes, the portable
 //! functions, [`goal_head::probabilities`] and [`weights`].

@@ -1,4 +1,4 @@
-//! Training's forward and backward pass of an [`Mlp`] over a batch, on the GEMM library.
+//! Training's forward and backward pass of an [`Mlp`] over a batch.
 
 use super::{Head, Mlp, MlpShape, combine};
 use crate::dense::Layer;
@@ -46,7 +46,7 @@ impl MlpBatch {
     }
 
     /// Outputs `[rows][outputs]` of the batch `x` of shape `[rows][inputs]`; agrees with [`Mlp::forward`] to
-    /// about 1e-6 relative, not to the bit.
+    /// about 1e-6, not to the bit.
     ///
     /// # Panics
     /// If the network has another shape, `x` is not a whole number of rows, or there are too many.
