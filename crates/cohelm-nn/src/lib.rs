@@ -7,7 +7,7 @@
 //! about 1e-6, not to the bit.
 //!
 //! Gradients are written by hand for exactly these two networks, and held against finite differences and
-//! against numbers recorded from PyTorch. The crate knows no plant, no file, and no clock but in [`bench`]; it
+//! against numbers recorded from PyTorch. The crate knows no plant, no file, and no clock but in [`mod@bench`]; it
 //! draws no random number (callers hand in a source) and starts no thread. Workspaces belong to one thread
 //! each, and a trainer that gives chunk i of a batch to any thread and adds up the gradients in the order of
 //! the chunks ([`adam::add_in_order`]) gets the same weights from any number of threads.

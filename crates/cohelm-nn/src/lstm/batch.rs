@@ -14,7 +14,7 @@ use crate::math::{sigmoid, tanh};
 /// Workspace for a batch of sequences. After it is made nothing allocates.
 ///
 /// Order of calls: [`begin`](Self::begin), fill [`input_mut`](Self::input_mut), [`forward`](Self::forward),
-/// read [`output`](Self::output) and write [`output_gradient_mut`](Self::output_gradient_mut),
+/// read outputs and write their gradients ([`output_and_gradient_mut`](Self::output_and_gradient_mut)),
 /// [`backward`](Self::backward). For several threads see [`MlpBatch`](crate::mlp::MlpBatch).
 #[derive(Debug, Clone)]
 pub struct LstmBatch {
