@@ -22,13 +22,13 @@ export function paintBackdrop(pen: Pen, view: View, scene: Scene, ownGoal: numbe
   else paintGrid(pen, view, scene);
   const goals = scene.fixed.filter((part) => part.role === 'goal');
   const own = goals.filter((part) => part.goal === ownGoal);
-  own.forEach((part) => paintBeam(pen, view, part));
+  if (terrain.exists) own.forEach((part) => paintBeam(pen, view, part));
   for (const part of scene.fixed) {
     if (part.role === 'ground') paintGround(pen, view, scene, part, random(4));
     else if (part.role === 'goal') paintGoal(pen, view, part, part.goal === ownGoal);
     else paintDecor(pen, view, part);
   }
-  goals.forEach((part, i) => paintLabel(pen, view, part, i + 1, part.goal === ownGoal, terrain.exists));
+  goals.forEach((part, i) => paintLabel(pen, view, part, labelOf(i + 1, goals.length, part.goal === ownGoal), part.goal === ownGoal, terrain.exists));
 }
 
 function paintSky(pen: Pen, view: View, hasGround: boolean): void {
@@ -237,8 +237,13 @@ export function paintGoal(pen: Pen, view: View, part: Part, own: boolean): void 
   pen.restore();
 }
 
-/** Numbers as in the overlay, and in words which is the person's own. Below the goal, in the ground, where it is calm. */
-function paintLabel(pen: Pen, view: View, part: Part, number: number, own: boolean, hasGround: boolean): void {
+/** Numbers as in the overlay, and in words which is the person's own. */
+function labelOf(number: number, count: number, own: boolean): string {
+  return own ? `★ YOUR GOAL${count > 1 ? ` (${number})` : ''}` : String(number);
+}
+
+/** Below the goal, in the ground, where it is calm. */
+function paintLabel(pen: Pen, view: View, part: Part, label: string, own: boolean, hasGround: boolean): void {
   const [west, south, east] = boxOf(part.shapes);
   const size = Math.max(11, view.height * 0.021);
   const x = view.x((west + east) / 2);
@@ -248,7 +253,7 @@ function paintLabel(pen: Pen, view: View, part: Part, number: number, own: boole
   pen.font = `${own ? 700 : 500} ${size}px system-ui, 'Noto Sans', 'DejaVu Sans', sans-serif`;
   pen.fillStyle = own ? OWN.ink : GOAL.ink;
   pen.globalAlpha = own ? 1 : 0.75;
-  pen.fillText(own ? `★ YOUR GOAL (${number})` : String(number), x, y);
+  pen.fillText(label, x, y);
   pen.globalAlpha = 1;
 }
 

@@ -11,9 +11,11 @@ export interface CardAction {
   press: () => void;
 }
 
-/** One card at a time; what it says is also read out. */
+/** One card at a time. */
 export class Card {
-  readonly node = element('div', { class: 'card', role: 'status', 'aria-live': 'polite', hidden: true });
+  readonly node = element('div', { class: 'card', hidden: true });
+  /** Says to those who hear the page what the card says to those who see it. It is always there: one that comes and goes is not read. */
+  readonly voice = element('p', { class: 'voice', role: 'status' });
   private readonly remark = element('p', { class: 'remark', hidden: true });
   private timer = 0;
 
@@ -30,6 +32,7 @@ export class Card {
       this.node.dataset['kind'] = kind;
       this.node.replaceChildren(element('h2', {}, title), ...content, this.remark, element('div', { class: 'actions' }, ...buttons));
       this.node.hidden = false;
+      this.voice.textContent = [title, ...content.map((part) => part.textContent ?? '')].join('. ');
     };
     if (afterMs === 0) fill();
     else this.timer = window.setTimeout(fill, afterMs);
@@ -39,6 +42,14 @@ export class Card {
   note(text: string): void {
     this.remark.textContent = text;
     this.remark.hidden = false;
+    this.voice.textContent = text;
+  }
+
+  /** Presses the first button of the card that is shown; false if there is none. */
+  pressPrimary(): boolean {
+    const primary = this.node.hidden ? null : this.node.querySelector<HTMLButtonElement>('button.primary');
+    primary?.click();
+    return primary !== null;
   }
 
   hide(): void {

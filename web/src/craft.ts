@@ -15,7 +15,7 @@ export function paintPart(pen: Pen, part: Part, unit: number): void {
   for (const shape of part.shapes) paint(pen, shape, unit);
 }
 
-/** Lit from above, with a belt, so that one sees which way is up. */
+/** Lit from above; what has corners has a belt, so that one sees which way is up. */
 function paintBody(pen: Pen, shape: Shape, unit: number): void {
   const [west, south, east, north] = boxOf([shape]);
   const [width, height] = [east - west, north - south];
@@ -26,13 +26,15 @@ function paintBody(pen: Pen, shape: Shape, unit: number): void {
   trace(pen, shape);
   pen.fillStyle = fill;
   pen.fill();
-  pen.save();
-  pen.clip();
-  pen.fillStyle = BODY.belt;
-  pen.fillRect(west, south + 0.1 * height, width, 0.1 * height);
-  pen.fillStyle = 'rgba(255, 255, 255, 0.35)';
-  pen.fillRect(west, north - 0.08 * height, width, 0.08 * height);
-  pen.restore();
+  if (shape.kind === 'polygon') {
+    pen.save();
+    pen.clip();
+    pen.fillStyle = BODY.belt;
+    pen.fillRect(west, south + 0.1 * height, width, 0.1 * height);
+    pen.fillStyle = 'rgba(255, 255, 255, 0.35)';
+    pen.fillRect(west, north - 0.08 * height, width, 0.08 * height);
+    pen.restore();
+  }
   outline(pen, shape, BODY.edge, 1.6 * unit);
 }
 

@@ -10,6 +10,8 @@ type Pen = CanvasRenderingContext2D;
 
 /** Seconds ahead that the arrow points: where the craft would be if it went on like this. */
 const AHEAD_S = 0.7;
+/** The arrow is at most this share of the view's height. */
+const LONGEST_ARROW = 0.24;
 /** Seconds of the way flown that are shown in flight. */
 const TAIL_S = 2.5;
 /** The share of the scene's width within which a side counts as near. */
@@ -50,9 +52,10 @@ export function paintWay(pen: Pen, view: View, way: Way, upTo: number, whole: bo
 /** An arrow from the craft's edge to where it is heading. */
 export function paintHeading(pen: Pen, view: View, { at, velocity, size }: Motion): void {
   const [vx, vy] = [velocity[0] * AHEAD_S, -velocity[1] * AHEAD_S];
-  const length = Math.hypot(vx, vy) * view.scale;
-  if (length < 7) return;
-  const [ux, uy] = [(vx * view.scale) / length, (vy * view.scale) / length];
+  const whole = Math.hypot(vx, vy) * view.scale;
+  if (whole < 7) return;
+  const [ux, uy] = [(vx * view.scale) / whole, (vy * view.scale) / whole];
+  const length = Math.min(whole, LONGEST_ARROW * view.height);
   const start = 0.62 * size * view.scale;
   const [x, y] = [view.x(at[0]) + ux * start, view.y(at[1]) + uy * start];
   const [tx, ty] = [x + ux * length, y + uy * length];

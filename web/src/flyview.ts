@@ -13,7 +13,7 @@ import { say } from './message';
 import { Overlay } from './overlay';
 import { keepSettings, loadSettings, type Settings } from './settings';
 import { Stage } from './stage';
-import { ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf } from './words';
+import { ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
 
 /** How long an ending is watched before the card comes, ms. */
 const WATCH_ENDING_MS = 900;
@@ -46,7 +46,7 @@ export class FlyView implements View {
     const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': 'The craft, the ground and the goals; your own is marked' });
     const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
     this.stage = new Stage(back, canvas);
-    this.field = element('div', { class: 'stage', tabindex: '-1' }, back, canvas, this.hud.node, this.card.node);
+    this.field = element('div', { class: 'stage', tabindex: '-1' }, back, canvas, this.hud.node, this.card.node, this.card.voice);
     this.main.append(this.field, this.overlay.node);
     this.controls = new Controls(context.hangar, this.settings, (change) => this.change(change), () => this.toggleOverlay());
     this.footer = this.controls.node;
@@ -77,14 +77,12 @@ export class FlyView implements View {
     this.run?.dispose();
     this.run = null;
     const why = this.controls.whyNot(this.controls.mode);
-    if (why !== null) {
-      this.showUnable(why);
-      return;
-    }
     try {
-      const setup = await this.setup(seed);
+      const setup = why === null ? await this.setup(seed) : this.unassisted(seed);
       if (preparation !== this.preparation) return;
       this.makeReady(setup);
+      if (why === null) this.showReady();
+      else this.showUnable(why);
     } catch (error) {
       if (preparation === this.preparation) await this.failed(error);
     }
@@ -106,23 +104,34 @@ export class FlyView implements View {
     this.history = new History();
     this.overlay.begin(setup.rule, run.opening.pilot_goal, run.opening.goals, tried?.labels ?? []);
     this.hud.begin(run.opening, this.controls.mode.label);
-    this.showReady();
+  }
+
+  /** A flight without a co-pilot. */
+  private unassisted(seed: number): Setup {
+    const { settings, context: { hangar }, controls: { task } } = this;
+    const version = hangar.versionOf(task.plant);
+    if (version === null) throw new Error(`This page knows no plant called ${task.plant}.`);
+    return {
+      task, plant_version: version, seed, rule: { rule: 'hic' }, inference: 'nearest', silence: 'best', time_scale: settings.timeScale,
+      values: null, intent: null, pilot: 'person',
+    };
   }
 
   private async setup(seed: number): Promise<Setup> {
     const { settings, context: { core, hangar }, controls: { task, mode } } = this;
-    const version = hangar.versionOf(task.plant);
-    if (version === null) throw new Error(`This page knows no plant called ${task.plant}.`);
     const fitting = hangar.fitting('values', task);
     const values = (fitting.find((model) => model.hash === settings.values) ?? fitting[0])?.hash ?? null;
     const model = hangar.fitting('intent', task)[0]?.hash ?? null;
     const inference: Inference = mode.mode === 'demo' ? 'known' : model === null ? 'nearest' : settings.inference;
     const intent = inference === 'known' || inference === 'nearest' ? null : model;
-    await hangar.equip(core, [values, intent]);
-    return {
-      task, plant_version: version, seed, rule: mode.rule, inference, silence: 'best', time_scale: settings.timeScale,
-      values, intent, pilot: 'person',
-    };
+    try {
+      await hangar.equip(core, [values, intent]);
+    } catch (error) {
+      // Who flies alone needs no models: they would only have watched.
+      if (mode.mode !== 'hic' || error instanceof CoreStopped) throw error;
+      return this.unassisted(seed);
+    }
+    return { ...this.unassisted(seed), rule: mode.rule, inference, values, intent };
   }
 
   private begin(): void {
@@ -187,8 +196,8 @@ export class FlyView implements View {
   }
 
   private showUnable(why: string): void {
-    const alone: CardAction = { label: 'Fly alone', key: '⏎', primary: true, press: () => this.change({ mode: 'hic' }) };
-    this.card.show('unable', 'No help to be had', [element('p', {}, why)], [alone]);
+    this.card.show('unable', 'No help to be had', [element('p', {}, why)],
+      [{ label: 'Fly alone', key: '⏎', primary: true, press: () => this.change({ mode: 'hic' }) }]);
   }
 
   /** What cannot go on says why; a loop that stopped is loaded afresh. */
@@ -196,10 +205,22 @@ export class FlyView implements View {
     this.context.link.end('abandoned');
     const stopped = error instanceof CoreStopped;
     if (stopped) await this.context.core.revive();
+    else if (this.run === null) this.preview();
+    const actions: CardAction[] = [{ label: 'Try again', key: '⏎', primary: true, press: () => void this.prepare() }];
+    if (this.controls.mode.mode !== 'hic') actions.push({ label: 'Fly alone', press: () => this.change({ mode: 'hic' }) });
     this.card.show('failed', stopped ? 'The loop stopped' : 'Not ready to fly', [
-      element('p', {}, reasonOf(error)),
+      element('p', {}, sentence(reasonOf(error))),
       ...(stopped ? [element('p', {}, 'That is a bug, and worth a report. It was loaded afresh; the flight was kept as far as it got.')] : []),
-    ], [{ label: 'Try again', key: '⏎', primary: true, press: () => void this.prepare() }]);
+    ], actions);
+  }
+
+  /** The world, without anybody who could fly in it: better to look at than nothing. */
+  private preview(): void {
+    try {
+      this.makeReady(this.unassisted(Math.floor(Math.random() * 2 ** 48)));
+    } catch {
+      // Why nothing can be flown is said on the card already.
+    }
   }
 
   private async modelsChanged(learnt: boolean): Promise<void> {
@@ -223,11 +244,9 @@ export class FlyView implements View {
     }
   }
 
-  /** What Enter does: whatever the card's first button would. */
+  /** What Enter does: what the card's first button would, also while the card is still to come. */
   private goOn(): void {
-    if (this.run === null) this.card.node.querySelector<HTMLButtonElement>('button.primary')?.click();
-    else if (this.run.isOver) void this.again();
-    else this.begin();
+    if (!this.card.pressPrimary() && this.run?.isOver === true) void this.again();
   }
 
   private showHud(): void {

@@ -15,7 +15,7 @@ export interface ActionSet {
 
 /** What the page has words for; a plant that takes none of these options is flown as it is. */
 const ACTION_SETS: ActionSet[] = [
-  { key: 'usual', label: 'the plant’s own', options: {} },
+  { key: 'usual', label: '', options: {} },
   { key: 'switches', label: 'switches (the paper’s)', options: { actions: 'switches' } },
   { key: 'main-side', label: 'main × side, held', options: { actions: 'main-side' } },
   { key: 'gymnasium', label: 'Gymnasium’s four', options: { actions: 'gymnasium' } },
@@ -58,7 +58,13 @@ export class Hangar {
   actionSets(plant: string): ActionSet[] {
     const taken = ACTION_SETS.filter((set) => this.try({ plant, options: set.options }) !== null);
     const named = taken.filter((set) => 'actions' in set.options);
-    return named.length > 0 ? named : taken;
+    return named.length > 0 ? named : taken.map((set) => ({ ...set, label: set.label || this.describe(plant) }));
+  }
+
+  /** The actions of a plant as it is, in its own words. */
+  private describe(plant: string): string {
+    const tried = this.try({ plant, options: {} });
+    return tried?.hasAxes === true ? 'axes' : (tried?.labels ?? []).join(', ');
   }
 
   /** What a task is like; null if the loop cannot fly it. */

@@ -4,7 +4,7 @@ import './style.css';
 import { episodeBytes } from './api';
 import type { Context, View } from './context';
 import { Core } from './core';
-import { element } from './dom';
+import { button, element } from './dom';
 import { EpisodesView } from './episodesview';
 import { FlyView } from './flyview';
 import { Hangar } from './hangar';
@@ -12,7 +12,7 @@ import { LearningBadge } from './learning';
 import { Link } from './link';
 import { say } from './message';
 import { ReplayView } from './replayview';
-import { reasonOf } from './words';
+import { reasonOf, sentence } from './words';
 
 async function open(): Promise<void> {
   const core = await Core.load(fetch('/cohelm_page.wasm'));
@@ -96,4 +96,10 @@ function viewOf(context: Context, place: string): View {
   return place === 'episodes' ? new EpisodesView(context) : new FlyView(context);
 }
 
-open().catch((error: unknown) => say(`The page could not be opened: ${reasonOf(error)}`, 3600));
+open().catch((error: unknown) => {
+  const again = button('Try again', { class: 'primary' }, () => location.reload());
+  document.getElementById('app')!.replaceChildren(element('main', { class: 'page' }, element('article', { class: 'sheet' },
+    element('h2', {}, 'The page could not be opened'), element('p', {}, sentence(reasonOf(error))),
+    element('p', {}, 'It needs a browser of 2022 or later with WebAssembly, and the server that it came from.'),
+    element('div', { class: 'actions' }, again))));
+});

@@ -10,6 +10,9 @@ const HISTORY_TICKS = 250;
 /** c above which the linear rule lets the robot fly. */
 const LINEAR_AT = 0.5;
 
+/** Names of actions longer than this need more room. */
+const LONG_NAME = 12;
+
 const VERDICTS = { none: '', asked: '= as asked', corrected: '≠ corrected', opposed: '⇄ the opposite' };
 
 /** The panel beside the flight. */
@@ -49,6 +52,7 @@ export class Overlay {
     this.show(null, new History(), 0);
     this.showGoals(null, goals);
     rows(this.values, labels.length).forEach((row, i) => setRow(row, labels[i]!, '', 0, '', ''));
+    this.values.classList.remove('wide');
   }
 
   /** Shows a tick, and the five seconds of a history that end after `upTo` ticks. */
@@ -80,6 +84,7 @@ export class Overlay {
 
   private showValues(tick: Tick): void {
     const { candidates } = tick;
+    this.values.classList.toggle('wide', candidates.some(({ action }) => action.label.length > LONG_NAME));
     const most = Math.max(...candidates.map((candidate) => candidate.above_worst), 1e-9);
     const same = (a: { label: string } | null | undefined, b: { label: string }) => a?.label === b.label;
     rows(this.values, candidates.length).forEach((row, i) => {

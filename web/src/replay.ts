@@ -18,7 +18,7 @@ export interface Recording {
   history: History;
   /** The poses before each tick, and after the last one. */
   posesAt(tick: number): Pose[];
-  /** Index of the last tick's ending is the record's own; the whole tick, read again. */
+  /** All of the last of so many ticks, flown again; null before the first. */
   tickAt(tick: number): Tick | null;
 }
 
@@ -74,17 +74,12 @@ export class ReplayRun {
     private readonly moved: (tick: Tick | null, position: number) => void,
   ) {
     const { opening, history, length, posesAt } = recording;
-    stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, this.ticksPerSecond);
+    stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, opening.ticks_per_second);
     for (let tick = 1; tick <= length; tick += 1) {
       const changed = ['corrected', 'opposed'].includes(history.outcomes[tick - 1] ?? 'none');
       stage.note({ poses: posesAt(tick), intervention: { effective: changed, nominal: changed, opposed: false } });
     }
     this.frame = requestAnimationFrame((now) => this.drawFrame(now));
-  }
-
-  /** Ticks a second as the person saw them. */
-  get ticksPerSecond(): number {
-    return this.recording.opening.ticks_per_second * this.recording.opening.setup.time_scale;
   }
 
   get isPlaying(): boolean {
@@ -128,7 +123,10 @@ export class ReplayRun {
     const passed = this.lastAt === 0 ? 0 : now - this.lastAt;
     this.lastAt = now;
     const before = this.tick;
-    this.position = Math.min(this.position + (passed * this.ticksPerSecond * this.speed) / 1000, this.recording.length);
+    // As fast as the person saw it, times what was chosen.
+    const { ticks_per_second, setup } = this.recording.opening;
+    const ticks = (passed * ticks_per_second * setup.time_scale * this.speed) / 1000;
+    this.position = Math.min(this.position + ticks, this.recording.length);
     if (this.position >= this.recording.length) this.playing = false;
     if (this.tick !== before || !this.playing) this.tell();
   }

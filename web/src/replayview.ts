@@ -8,7 +8,7 @@ import { Overlay } from './overlay';
 import { readRecording, ReplayRun, type Recording } from './replay';
 import { sheetOf } from './sheet';
 import { Stage } from './stage';
-import { ENDING_WORDS, reasonOf, RULE_NAMES } from './words';
+import { ENDING_WORDS, reasonOf, RULE_NAMES, sentence } from './words';
 
 const SPEEDS: [string, string][] = [['0.1', '0.1×'], ['0.25', '¼×'], ['0.5', '½×'], ['1', '1×'], ['2', '2×'], ['4', '4×']];
 /** Ticks that a step with the Shift key goes. */
@@ -59,7 +59,7 @@ export class ReplayView implements View {
     try {
       bytes = await this.source.bytes();
     } catch (error) {
-      if (!this.disposed) this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), element('p', {}, reasonOf(error))));
+      if (!this.disposed) this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), element('p', {}, sentence(reasonOf(error)))));
       return;
     }
     if (this.disposed) return;
@@ -184,9 +184,4 @@ export class ReplayView implements View {
     event.preventDefault();
     if (!event.repeat || event.code.startsWith('Arrow')) act();
   }
-}
-
-function sentence(text: string): string {
-  const whole = text.charAt(0).toUpperCase() + text.slice(1);
-  return /[.!?]$/.test(whole) ? whole : `${whole}.`;
 }

@@ -50,7 +50,7 @@ export class Stage {
     this.front = penOf(canvas);
   }
 
-  /** From now on this scene; `seed` decorates, `ticksPerSecond` is by the person's clock. */
+  /** From now on this scene, whose world has so many ticks a second; `seed` decorates. */
   show(scene: Scene, ownGoal: number | null, seed: number, ticksPerSecond: number): void {
     const body = Math.max(scene.movable.findIndex((part) => part.role === 'body'), 0);
     const own = scene.fixed.find((part) => part.role === 'goal' && part.goal === ownGoal);
@@ -89,7 +89,7 @@ export class Stage {
     this.ending = null;
   }
 
-  /** Speed across and upwards, world units a second by the person's clock, and tilt to the left, rad. */
+  /** Speed across and upwards, world units a second, and tilt to the left, rad. */
   get readings(): { across: number; upwards: number; tilt_rad: number } {
     const [across, upwards] = this.motion?.velocity ?? [0, 0];
     return { across, upwards, tilt_rad: this.tilt_rad };

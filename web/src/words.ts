@@ -51,3 +51,9 @@ export const RULES: Record<Rule['rule'], string> = {
 export function reasonOf(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
 }
+
+/** The same as a sentence: messages begin small and have no full stop, so that they can be part of others. */
+export function sentence(text: string): string {
+  const whole = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?]$/.test(whole) ? whole : `${whole}.`;
+}
