@@ -10,9 +10,17 @@ export class LearningBadge {
   readonly node = element('details', { class: 'learning', hidden: true });
   private readonly summary = element('summary', {});
   private readonly panel = element('div', { class: 'panel' });
+  /** Flights that were learnt from since the last return to the shipped values. */
+  learned = 0;
 
   constructor() {
     this.node.append(this.summary, this.panel);
+    document.addEventListener('pointerdown', (event) => {
+      if (!this.node.contains(event.target as Node)) this.node.open = false;
+    });
+    this.node.addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') this.node.open = false;
+    });
   }
 
   /** Asks the server how it stands. */
@@ -32,7 +40,8 @@ export class LearningBadge {
     this.node.hidden = !status.learning;
     if (!status.learning) return;
     const { learned, waiting, left_out, failure, kept, current, shipped } = status;
-    this.summary.textContent = failure !== null ? '⚠ learning stopped' : `✦ learnt from ${flights(learned)}`;
+    this.learned = learned;
+    this.summary.textContent = failure !== null ? '⚠ learning stopped' : learned === 0 ? '✦ learning' : `✦ learnt from ${flights(learned)}`;
     this.summary.dataset['state'] = failure !== null ? 'failed' : 'well';
     const now = current === shipped ? 'the shipped values' : current === kept ? 'learnt values, which are kept' : 'learnt values, not kept yet';
     const lines = [

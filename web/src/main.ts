@@ -26,15 +26,16 @@ async function open(): Promise<void> {
     core, hangar, link: linkOf(), session: { endings: [], last: null },
     onModels: new Set(), onStored: new Set(), go: (place) => (location.hash = `#/${place}`),
   };
-  const models = async (learning: string | null, learnt: boolean) => {
+  const models = async (learning: string | null) => {
     hangar.learning = learning;
+    const { learned } = badge;
     try {
       await hangar.refresh();
     } catch (error) {
       say(`The list of models could not be read: ${reasonOf(error)}`);
     }
-    context.onModels.forEach((told) => told(learnt));
     if (learning !== null) await badge.refresh();
+    context.onModels.forEach((told) => told(badge.learned > learned));
   };
 
   function linkOf(): Link {
@@ -45,8 +46,8 @@ async function open(): Promise<void> {
         status.textContent = connected ? `recording${kept}` : `no connection: flights are kept and sent later${kept}`;
       },
       trouble: (text) => say(text),
-      welcome: (about) => void models(about.values, false),
-      newModel: (hash) => void models(hash, true),
+      welcome: (about) => void models(about.values),
+      newModel: (hash) => void models(hash),
       stored: (episode) => context.onStored.forEach((told) => told(episode)),
     });
   }
