@@ -146,10 +146,27 @@ try {
     await shot('5-alone-end');
   });
 
+  await step('the robot flies alone, at half the speed, until it is stopped', async () => {
+    await choose('demo');
+    await page.selectOption('footer > label select', '0.5');
+    await card('ready').waitFor();
+    await page.keyboard.press('Enter');
+    await assertSoon(async () => (await seconds()) > 0.1, 'the clock runs');
+    const [from, since] = [await seconds(), performance.now()];
+    await page.waitForTimeout(1000);
+    const rate = ((await seconds()) - from) / ((performance.now() - since) / 1000);
+    assert.ok(rate > 0.35 && rate < 0.6, `${rate.toFixed(2)} seconds of the world in a second`);
+    await page.keyboard.press('Escape');
+    await page.click('.card .secondary');
+    await card('abandoned').waitFor();
+    await page.selectOption('footer > label select', '1');
+  });
+
   let alone;
-  await step('both flights are stored, with what was asked and carried out', async () => {
-    const [newest, older] = await finished(before + 2);
-    assert.deepEqual([newest.rule, older.rule], ['hic', 'misc-r']);
+  await step('all flights are stored, as they were flown', async () => {
+    const [robot, newest, older] = await finished(before + 3);
+    assert.deepEqual([robot.rule, newest.rule, older.rule], ['robot', 'hic', 'misc-r']);
+    assert.deepEqual([robot.ending, robot.time_scale], ['abandoned', 0.5]);
     for (const episode of [newest, older]) {
       assert.equal(episode.pilot, 'person');
       assert.ok(episode.ticks > 20, `episode ${episode.id} has ${episode.ticks} ticks`);
@@ -167,9 +184,9 @@ try {
     await page.click('[data-tab=episodes]');
     const rows = page.locator('tbody tr');
     await rows.first().waitFor();
-    assert.equal(await rows.count(), Math.min(before + 2, 50));
+    assert.equal(await rows.count(), Math.min(before + 3, 50));
     await shot('6-episodes');
-    await rows.nth(1).click();
+    await rows.nth(2).click();
     await page.locator('.exact[data-identical=true]').waitFor();
     await page.selectOption('.player select', '4');
     await assertSoon(async () => /Play/.test(await page.locator('.play').innerText()), 'the replay plays to its end');
@@ -197,7 +214,7 @@ try {
     await step('what is flown while the server is away is delivered when it is back', async () => {
       await page.keyboard.press('Escape');
       await page.click('[data-tab=fly]');
-      await card('ready').waitFor();
+      await choose('hic');
       await server.stop();
       await page.locator('.dot[data-state=off]').waitFor();
       await page.keyboard.press('Enter');
@@ -205,7 +222,7 @@ try {
       await anyEnding.waitFor();
       await shot('9-away');
       await server.startAgain();
-      const [newest] = await finished(before + 3);
+      const [newest] = await finished(before + 4);
       assert.equal(newest.rule, 'hic');
     });
   }

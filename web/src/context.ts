@@ -13,6 +13,7 @@ export interface View {
 
 /** What happened since the page was opened. */
 export interface Session {
+  /** How the person's flights ended; what the robot flew alone is not theirs. */
   endings: Ending[];
   /** The record of the last flight. */
   last: Uint8Array | null;

@@ -153,8 +153,11 @@ export class FlyView implements View {
     link.end(summary.ending);
     if (this.disposed || summary.ticks === 0) return;
     session.last = summary.record;
-    session.endings.push(summary.ending);
-    const content = [element('p', {}, ENDING_HINTS[summary.ending]), numbersOf(summary), this.tally()];
+    const content = [element('p', {}, ENDING_HINTS[summary.ending]), numbersOf(summary)];
+    if (this.controls.mode.mode !== 'demo') {
+      session.endings.push(summary.ending);
+      content.push(this.tally());
+    }
     if (summary.lateTicks > LATE_SHARE * summary.ticks) {
       content.push(element('p', {}, `${summary.lateTicks} ticks came late: is something else busy on this machine?`));
     }
@@ -165,7 +168,7 @@ export class FlyView implements View {
     ], watched);
   }
 
-  /** A sign for each flight of this visit. */
+  /** A sign for each flight that the person flew in this visit. */
   private tally(): HTMLElement {
     const { endings } = this.context.session;
     const landed = endings.filter((ending) => ending === 'goal').length;
