@@ -1,12 +1,13 @@
 //! Fits an LSTM to sequences.
 
 use crate::intent_options::IntentOptions;
-use crate::sequence::Sequence;
+use crate::sequence::{MirroredSequence, Sequence};
 use cohelm::random::Draws;
 use cohelm_nn::adam::{Adam, AdamOptions};
 use cohelm_nn::goal_head;
 use cohelm_nn::loss::mean_squared;
 use cohelm_nn::lstm::{Lstm, LstmBatch};
+use std::borrow::Cow;
 
 /// What the outputs are to become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +23,14 @@ impl Aim {
     pub const BOTH: [Self; 2] = [Self::Position, Self::Likelihood];
 }
 
+/// What is learnt from, and how.
+#[derive(Clone, Copy)]
+pub(crate) struct School<'a> {
+    pub sequences: &'a [Sequence],
+    pub mirror: Option<&'a MirroredSequence>,
+    pub options: &'a IntentOptions,
+}
+
 /// A network on its way, and its optimiser.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fitting {
@@ -35,23 +44,21 @@ impl Fitting {
         Self { adam: Adam::new(network.params().len(), adam), network }
     }
 
-    /// Goes through all sequences once, in an order drawn anew. `epoch` counts from 0 and sets the learning rate.
-    /// Returns the mean loss a tick.
-    pub fn epoch(
-        &mut self,
-        sequences: &[Sequence],
-        aim: Aim,
-        epoch: u32,
-        options: &IntentOptions,
-        draws: &mut Draws,
-    ) -> f64 {
+    /// Goes through all sequences once, in an order drawn anew, every second one in a mirror if there is one. `epoch`
+    /// counts from 0 and sets the learning rate. Returns the mean loss a tick.
+    pub fn epoch(&mut self, school: &School<'_>, aim: Aim, epoch: u32, draws: &mut Draws) -> f64 {
+        let School { sequences, mirror, options } = *school;
         let order = shuffled(sequences.len(), draws);
         let batches = order.len().div_ceil(options.batch).max(1);
         let mut batch = LstmBatch::new(self.network.shape(), options.batch, options.longest);
         let mut gradient = vec![0.0; self.network.params().len()];
         let (mut loss, mut ticks) = (0.0, 0.0);
         for (i, chosen) in order.chunks(options.batch).enumerate() {
-            let chosen: Vec<&Sequence> = chosen.iter().map(|&index| &sequences[index]).collect();
+            let mut choose = |&index: &usize| match mirror.filter(|_| draws.chance(0.5)) {
+                Some(mirror) => Cow::Owned(mirror.of(&sequences[index])),
+                None => Cow::Borrowed(&sequences[index]),
+            };
+            let chosen: Vec<Cow<'_, Sequence>> = chosen.iter().map(&mut choose).collect();
             self.load(&mut batch, &chosen, options.longest);
             if batch.total_ticks() == 0 {
                 continue;
@@ -67,7 +74,7 @@ impl Fitting {
         loss / f64::max(ticks, 1.0)
     }
 
-    fn load(&self, batch: &mut LstmBatch, chosen: &[&Sequence], longest: usize) {
+    fn load(&self, batch: &mut LstmBatch, chosen: &[Cow<'_, Sequence>], longest: usize) {
         let lengths: Vec<usize> = chosen.iter().map(|sequence| sequence.ticks().min(longest)).collect();
         batch.begin(&lengths);
         let width = self.network.shape().input();
@@ -80,7 +87,7 @@ impl Fitting {
 }
 
 /// Writes the gradient of the mean loss a tick; returns the sum of the losses.
-fn differentiate(batch: &mut LstmBatch, chosen: &[&Sequence], aim: Aim, longest: usize) -> f64 {
+fn differentiate(batch: &mut LstmBatch, chosen: &[Cow<'_, Sequence>], aim: Aim, longest: usize) -> f64 {
     let weight = 1.0 / batch.total_ticks() as f32;
     let mut loss = 0.0;
     let mut goals = Vec::new();

@@ -1,14 +1,14 @@
 //! Intent: which goal the pilot wants, by LSTMs that learn from flights in which they took part.
 
 use crate::checkpoint::Checkpoints;
-use crate::fit::{Aim, Fitting};
+use crate::fit::{Aim, Fitting, School};
 use crate::flights::{Flight, Guide, Help, Plan, RULES, fly_all, pilot_of};
 use crate::intent_options::IntentOptions;
 use crate::job::{Job, LearnError, PilotFactory};
 use crate::parallel;
 use crate::progress::{Progress, Watch};
 use crate::score::{HeadScores, score};
-use crate::sequence::Sequence;
+use crate::sequence::{MirroredSequence, Sequence};
 use cohelm::arbitration::Rule;
 use cohelm::intent::Head;
 use cohelm::plant::Ending;
@@ -113,6 +113,7 @@ struct Training<'a> {
     help: Help<'a>,
     card: Card,
     checkpoints: Checkpoints,
+    mirror: Option<MirroredSequence>,
     sequences: Vec<Sequence>,
     episodes: u64,
     /// What each finished round gave.
@@ -142,6 +143,7 @@ impl<'a> Training<'a> {
             values,
             help,
             checkpoints: Checkpoints::new(job, "intent.checkpoint", &card.options)?,
+            mirror: mirror(job, options)?,
             card,
             sequences: Vec::new(),
             episodes: 0,
@@ -188,7 +190,9 @@ impl<'a> Training<'a> {
         };
         for epoch in first..self.options.epochs {
             let seed = mix_seed(self.job.seed, round.into());
-            let losses = fit_epoch(&mut fittings, &self.sequences, (epoch, seed), self.options, self.job);
+            let school =
+                School { sequences: &self.sequences, mirror: self.mirror.as_ref(), options: self.options };
+            let losses = fit_epoch(&mut fittings, &school, (epoch, seed), self.job);
             check(losses, &fittings)?;
             let stopped = watch(&self.progress(round, epoch, losses)).is_break();
             if stopped || self.checkpoints.is_due() {
@@ -309,17 +313,24 @@ struct State {
 /// Goes through all sequences once with both networks; returns their mean losses a tick.
 pub(crate) fn fit_epoch(
     fittings: &mut [Fitting; 2],
-    sequences: &[Sequence],
+    school: &School<'_>,
     (epoch, seed): (u32, u64),
-    options: &IntentOptions,
     job: &Job<'_>,
 ) -> [f64; 2] {
     let mut fittings: Vec<(Aim, &mut Fitting)> = Aim::BOTH.into_iter().zip(fittings.iter_mut()).collect();
     let losses = parallel::map_mut(&mut fittings, job.threads, |(aim, fitting)| {
         let mut draws = Draws::fork(mix_seed(seed, stream::ORDER + *aim as u64), epoch.into());
-        fitting.epoch(sequences, *aim, epoch, options, &mut draws)
+        fitting.epoch(school, *aim, epoch, &mut draws)
     });
     [losses[0], losses[1]]
+}
+
+/// The plant's symmetry, if it has one and it is to be used.
+pub(crate) fn mirror(job: &Job<'_>, options: &IntentOptions) -> Result<Option<MirroredSequence>, LearnError> {
+    let plant = job.plant()?;
+    let mirror = plant.mirror().filter(|_| options.mirror);
+    let (commands, goals) = (plant.space().commands(), plant.view().goals.len());
+    Ok(mirror.map(|mirror| MirroredSequence::new(&mirror, commands, goals)))
 }
 
 /// Refuses losses that are no numbers.

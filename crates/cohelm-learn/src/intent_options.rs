@@ -20,6 +20,9 @@ pub struct IntentOptions {
     /// Share of episodes in which the pilot is silent: nothing can be known then, and a network that never saw silence
     /// takes it for consent.
     pub silent: f64,
+    /// Learns every second flight in the plant's mirror, if it has one: each flight teaches two, and left and right
+    /// come out alike.
+    pub mirror: bool,
     /// Cells of the LSTMs.
     pub cells: usize,
     /// Times that each fit goes through all flights.
@@ -46,6 +49,7 @@ impl Default for IntentOptions {
             rounds: 3,
             round_episodes: 720,
             silent: 0.0,
+            mirror: true,
             cells: 64,
             epochs: 10,
             batch: 32,

@@ -116,9 +116,10 @@ impl LiveLearner {
     /// The model as it is now. Its card says from which it came and after how many episodes.
     fn model(&self) -> Result<Model, LearnError> {
         let variant = Some(format!("live-{}", self.episodes));
-        let options = json!({ "live": self.options, "began_with": self.began_with, "episodes": self.episodes,
-            "seed": self.seed });
-        let card = Card { variant, options, scores: json!({}), ..self.card.clone() };
+        let live =
+            json!({ "options": self.options, "began_with": self.began_with, "episodes": self.episodes });
+        let options = json!({ "training": self.training, "live": live });
+        let card = Card { variant, options, seed: self.seed, scores: json!({}), ..self.card.clone() };
         Ok(Model::of_values(&card, &self.learner.weights.online)?)
     }
 
@@ -205,8 +206,9 @@ impl LiveLearner {
     }
 }
 
-/// The options that the model was trained with, as far as they matter here.
+/// The options that the model was trained with, as far as they matter here. A model that learnt live has them too.
 fn training_options(card: &Card) -> ValueOptions {
-    let trained: ValueOptions = serde_json::from_value(card.options.clone()).unwrap_or_default();
+    let options = card.options.get("training").unwrap_or(&card.options);
+    let trained: ValueOptions = serde_json::from_value(options.clone()).unwrap_or_default();
     ValueOptions { target: Target::Follow(0.005), ahead: 0, average: 1.0, ..trained }
 }

@@ -140,7 +140,7 @@ pub struct NearGoal {
 impl Default for ValueOptions {
     fn default() -> Self {
         Self {
-            steps: 150_000,
+            steps: 200_000,
             worlds: 16,
             episode_cap: 600,
             hidden: vec![64, 64],
@@ -157,7 +157,7 @@ impl Default for ValueOptions {
             batch: 128,
             memory: 400_000,
             target: Target::Follow(0.005),
-            average: 1.0,
+            average: 5e-4,
             updates: Updates::PerStep(0.5),
             ahead: 16,
             warm_up: 5_000,
@@ -174,7 +174,7 @@ impl Default for ValueOptions {
             teacher: 0.0,
             pilots: 0.0,
             pilots_steer: true,
-            validation_episodes: 100,
+            validation_episodes: 200,
             validations: 5,
         }
     }
@@ -223,6 +223,7 @@ impl ValueOptions {
             huber: 0.0,
             learning_rate: [5e-4, 5e-4],
             target: Target::CopyEvery(2_000),
+            average: 1.0,
             updates: Updates::PerEpisode(100.0),
             ahead: 0,
             mirror: false,

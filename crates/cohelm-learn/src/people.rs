@@ -1,7 +1,7 @@
 //! Intent from recorded flights of people.
 
-use crate::fit::{Aim, Fitting};
-use crate::intent::{card, check, fit_epoch, score_all, shape};
+use crate::fit::{Aim, Fitting, School};
+use crate::intent::{card, check, fit_epoch, mirror, score_all, shape};
 use crate::intent_options::IntentOptions;
 use crate::job::{Job, LearnError};
 use crate::progress::{Progress, Watch};
@@ -72,9 +72,11 @@ pub fn train_intent_from(
         "began_with": begin_with.map(Model::hash) });
     let card = card(job, options_of_card)?;
     let mut fittings = begin(job, &card, options, begin_with)?;
+    let mirror = mirror(job, options)?;
+    let school = School { sequences: &train, mirror: mirror.as_ref(), options };
     for epoch in 0..options.epochs {
         let seed = mix_seed(job.seed, stream::ORDER);
-        let losses = fit_epoch(&mut fittings, &train, (epoch, seed), options, job);
+        let losses = fit_epoch(&mut fittings, &school, (epoch, seed), job);
         check(losses, &fittings)?;
         let numbers = vec![("flights", train.len() as f64), ("cross-entropy", losses[1])];
         let (done, total) = (u64::from(epoch) + 1, options.epochs.into());

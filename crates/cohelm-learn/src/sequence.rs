@@ -1,7 +1,7 @@
 //! What an intent network learns from: a flight as it sees it, and which goal was the pilot's.
 
 use cohelm::action::Action;
-use cohelm::plant::Plant;
+use cohelm::plant::{Mirror, Plant};
 use cohelm_copilot::encode::IntentEncoder;
 
 /// A flight, one row of numbers for each tick of the network.
@@ -36,6 +36,39 @@ impl Sequence {
         let row = self.row(tick);
         let at = row.len() - 2 * (self.goals - self.truth);
         [row[at], row[at + 1]]
+    }
+}
+
+/// A plant's symmetry, as it shows in sequences.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MirroredSequence {
+    /// Where each number of a row comes from, and its sign.
+    row: Vec<(usize, f32)>,
+    /// A mirror that exchanges left and right reverses the order of goals that are listed by x.
+    reverses: bool,
+}
+
+impl MirroredSequence {
+    /// For rows of `commands` shares and the share of silence, the state, and the positions of `goals`.
+    pub fn new(mirror: &Mirror, commands: usize, goals: usize) -> Self {
+        let reverses = mirror.position[0] < 0.0;
+        let shares = mirror.commands.iter().map(|&command| (usize::from(command), 1.0));
+        let state = mirror.state.iter().map(|&(place, sign)| (commands + 1 + place, sign));
+        let first = commands + 1 + mirror.state.len();
+        let positions = (0..goals).flat_map(|goal| {
+            let from = if reverses { goals - 1 - goal } else { goal };
+            [0, 1].map(|i| (first + 2 * from + i, mirror.position[i]))
+        });
+        Self { row: shares.chain([(commands, 1.0)]).chain(state).chain(positions).collect(), reverses }
+    }
+
+    /// The same flight in a mirror.
+    pub fn of(&self, sequence: &Sequence) -> Sequence {
+        let rows = sequence.rows.chunks_exact(sequence.width);
+        let mirrored =
+            |row: &[f32]| self.row.iter().map(|&(place, sign)| sign * row[place]).collect::<Vec<_>>();
+        let truth = if self.reverses { sequence.goals - 1 - sequence.truth } else { sequence.truth };
+        Sequence { rows: rows.flat_map(mirrored).collect(), truth, ..*sequence }
     }
 }
 
@@ -74,5 +107,23 @@ impl Scribe {
     /// The sequence.
     pub fn finish(self) -> Sequence {
         self.sequence
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn in_a_mirror_the_pilot_wants_the_goal_on_the_other_side_and_presses_the_other_keys() {
+        // Two commands, silence, two numbers of state, three goals.
+        let rows = vec![0.5, 0.25, 0.25, 0.1, 0.2, -0.5, 1.0, 0.0, 2.0, 0.7, 3.0];
+        let sequence = Sequence { width: 11, goals: 3, truth: 2, rows };
+        let mirror = Mirror { state: vec![(0, -1.0), (1, 1.0)], position: [-1.0, 1.0], commands: vec![1, 0] };
+        let mirrored = MirroredSequence::new(&mirror, 2, 3);
+        let twin = mirrored.of(&sequence);
+        assert_eq!(twin.rows, [0.25, 0.5, 0.25, -0.1, 0.2, -0.7, 3.0, 0.0, 2.0, 0.5, 1.0]);
+        assert_eq!((twin.truth, twin.wanted(0)), (0, [-0.7, 3.0]));
+        assert_eq!(mirrored.of(&twin), sequence);
     }
 }
