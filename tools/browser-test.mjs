@@ -1,37 +1,63 @@
 // The browser test; `tools/browser-test` says how to call it. One line a step; it ends with 1 at the first that fails.
-import assert from 'node:assert/strict';
-import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { join } from 'node:path';
-import { chromium } from '../web/node_modules/playwright-core/index.mjs';
-import { Server } from '../web/test/browser/server.mjs';
-import * as canvas from '../web/test/browser/canvas.mjs';
-import { readEvents } from '../web/test/browser/records.mjs';
+import assert from "node:assert/strict";
+import { existsSync, mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "../web/node_modules/playwright-core/index.mjs";
+import { Server } from "../web/test/browser/server.mjs";
+import * as canvas from "../web/test/browser/canvas.mjs";
+import { readEvents } from "../web/test/browser/records.mjs";
 
 const [folder, ...rest] = process.argv.slice(2);
 if (folder === undefined) {
-  console.error('usage: tools/browser-test FOLDER [URL | -- OPTIONS OF cohelm fly]');
+  console.error(
+    "usage: tools/browser-test FOLDER [URL | -- OPTIONS OF cohelm fly]",
+  );
   process.exit(2);
 }
 mkdirSync(folder, { recursive: true });
-const scratch = mkdtempSync(join(tmpdir(), 'cohelm-browser-'));
-const server = rest[0] !== undefined && rest[0] !== '--' ? Server.running(rest[0])
-  : await Server.start(process.env.COHELM ?? 'target/release/cohelm', join(scratch, 'flights.db'), rest.slice(1));
+const scratch = mkdtempSync(join(tmpdir(), "cohelm-browser-"));
+const server =
+  rest[0] !== undefined && rest[0] !== "--"
+    ? Server.running(rest[0])
+    : await Server.start(
+        process.env.COHELM ?? "target/release/cohelm",
+        join(scratch, "flights.db"),
+        rest.slice(1),
+      );
 
-const executablePath = [process.env.CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome']
-  .find((path) => path && existsSync(path));
+const executablePath = [
+  process.env.CHROMIUM,
+  "/usr/bin/chromium",
+  "/usr/bin/chromium-browser",
+  "/usr/bin/google-chrome",
+].find((path) => path && existsSync(path));
 const browser = await chromium.launch({
   executablePath,
-  args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-    '--disable-component-update', '--disable-sync'],
+  args: [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+  ],
 });
-const context = await browser.newContext({ viewport: { width: 1366, height: 768 } });
+const context = await browser.newContext({
+  viewport: { width: 1366, height: 768 },
+});
 const page = await context.newPage();
 page.setDefaultTimeout(15_000);
 const complaints = [];
-page.on('pageerror', (error) => complaints.push(error.message));
-page.on('console', (message) => {
-  if (message.type() === 'error' && !(server.isAway && message.text().includes('WebSocket'))) complaints.push(message.text());
+page.on("pageerror", (error) => complaints.push(error.message));
+page.on("console", (message) => {
+  if (
+    message.type() === "error" &&
+    !(server.isAway && message.text().includes("WebSocket"))
+  )
+    complaints.push(message.text());
 });
 
 let passed = 0;
@@ -40,20 +66,35 @@ async function step(name, work) {
   const since = performance.now();
   await work();
   passed += 1;
-  console.log(`ok   ${name} (${((performance.now() - since) / 1000).toFixed(1)} s)`);
+  console.log(
+    `ok   ${name} (${((performance.now() - since) / 1000).toFixed(1)} s)`,
+  );
 }
 
 const shot = (name) => page.screenshot({ path: join(folder, `${name}.png`) });
 const card = (kind) => page.locator(`.card[data-kind="${kind}"]:not([hidden])`);
-const anyEnding = page.locator('.card:not([hidden]):is([data-kind=goal], [data-kind=elsewhere], [data-kind=crash], [data-kind=out-of-bounds], [data-kind=time-limit])');
-const seconds = async () => Number.parseFloat(await page.locator('.hud .clock').innerText());
+const anyEnding = page.locator(
+  ".card:not([hidden]):is([data-kind=goal], [data-kind=elsewhere], [data-kind=crash], [data-kind=out-of-bounds], [data-kind=time-limit])",
+);
+const seconds = async () =>
+  Number.parseFloat(await page.locator(".hud .clock").innerText());
 const finished = async (count) => {
-  await assertSoon(async () => (await server.episodes()).filter((episode) => episode.state === 'finished').length >= count, `${count} finished episodes`);
+  await assertSoon(
+    async () =>
+      (await server.episodes()).filter(
+        (episode) => episode.state === "finished",
+      ).length >= count,
+    `${count} finished episodes`,
+  );
   return server.episodes();
 };
 
 async function assertSoon(holds, what) {
-  for (const until = Date.now() + 10_000; Date.now() < until; await page.waitForTimeout(50)) {
+  for (
+    const until = Date.now() + 10_000;
+    Date.now() < until;
+    await page.waitForTimeout(50)
+  ) {
     if (await holds()) return;
   }
   assert.fail(`it did not come to this: ${what}`);
@@ -61,7 +102,7 @@ async function assertSoon(holds, what) {
 
 async function choose(mode) {
   await page.click(`[data-mode="${mode}"]`);
-  await card('ready').waitFor();
+  await card("ready").waitFor();
   // The world is drawn with the next frame.
   await page.waitForTimeout(120);
 }
@@ -69,170 +110,252 @@ async function choose(mode) {
 try {
   const before = (await server.episodes()).length;
 
-  await step('the page opens, connected, with the person’s own goal marked in amber', async () => {
-    await page.goto(server.url);
-    await card('ready').waitFor();
-    await page.locator('.dot[data-state=on]').waitFor();
-    await choose('misc-r');
-    const amber = await canvas.columns(page, 'back', canvas.AMBER);
-    assert.equal(amber.groups, 1, `one goal and no other is amber, found ${amber.groups} groups`);
-    assert.ok(amber.count > 500, `amber covers ${amber.count} pixels`);
-    await shot('1-ready');
-  });
+  await step(
+    "the page opens, connected, with the person’s own goal marked in amber",
+    async () => {
+      await page.goto(server.url);
+      await card("ready").waitFor();
+      await page.locator(".dot[data-state=on]").waitFor();
+      await choose("misc-r");
+      const amber = await canvas.columns(page, "back", canvas.AMBER);
+      assert.equal(
+        amber.groups,
+        1,
+        `one goal and no other is amber, found ${amber.groups} groups`,
+      );
+      assert.ok(amber.count > 500, `amber covers ${amber.count} pixels`);
+      await shot("1-ready");
+    },
+  );
 
-  await step('the footer fits into one row, and nothing is cut off', async () => {
-    const { height } = await page.locator('footer').boundingBox();
-    assert.ok(height < 64, `the footer is ${height} px high`);
-    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth && document.documentElement.scrollHeight <= innerHeight));
-  });
+  await step(
+    "the footer fits into one row, and nothing is cut off",
+    async () => {
+      const { height } = await page.locator("footer").boundingBox();
+      assert.ok(height < 64, `the footer is ${height} px high`);
+      assert.ok(
+        await page.evaluate(
+          () =>
+            document.documentElement.scrollWidth <= innerWidth &&
+            document.documentElement.scrollHeight <= innerHeight,
+        ),
+      );
+    },
+  );
 
-  await step('a flight in MISC-R, from start to end, with the overlay', async () => {
-    await page.keyboard.press('o');
-    await page.locator('.overlay').waitFor();
-    await page.keyboard.press('Enter');
-    const start = await canvas.craft(page);
-    await page.waitForTimeout(500);
-    const later = await canvas.craft(page);
-    assert.ok(Math.hypot(later.x - start.x, later.y - start.y) > 3, `the craft moved from ${JSON.stringify(start)} to ${JSON.stringify(later)}`);
-    await page.keyboard.down('ArrowUp');
-    await page.waitForTimeout(250);
-    assert.equal(await page.locator('.hud kbd.held').count(), 1);
-    assert.equal(await page.locator('.overlay .values .row').count(), 6);
-    assert.match(await page.locator('.overlay .chip.asked').innerText(), /main on/);
-    await shot('2-misc-r');
-    await page.keyboard.up('ArrowUp');
-    for (let i = 0; i < 160 && (await anyEnding.count()) === 0; i += 1) {
-      await page.keyboard.press('ArrowUp', { delay: 90 });
-      await page.waitForTimeout(60);
-    }
-    await anyEnding.waitFor();
-    await shot('3-misc-r-end');
-    await page.keyboard.press('o');
-  });
+  await step(
+    "a flight in MISC-R, from start to end, with the overlay",
+    async () => {
+      await page.keyboard.press("o");
+      await page.locator(".overlay").waitFor();
+      await page.keyboard.press("Enter");
+      const start = await canvas.craft(page);
+      await page.waitForTimeout(500);
+      const later = await canvas.craft(page);
+      assert.ok(
+        Math.hypot(later.x - start.x, later.y - start.y) > 3,
+        `the craft moved from ${JSON.stringify(start)} to ${JSON.stringify(later)}`,
+      );
+      await page.keyboard.down("ArrowUp");
+      await page.waitForTimeout(250);
+      assert.equal(await page.locator(".hud kbd.held").count(), 1);
+      assert.equal(await page.locator(".overlay .values .row").count(), 6);
+      assert.match(
+        await page.locator(".overlay .chip.asked").innerText(),
+        /main on/,
+      );
+      await shot("2-misc-r");
+      await page.keyboard.up("ArrowUp");
+      for (let i = 0; i < 160 && (await anyEnding.count()) === 0; i += 1) {
+        await page.keyboard.press("ArrowUp", { delay: 90 });
+        await page.waitForTimeout(60);
+      }
+      await anyEnding.waitFor();
+      await shot("3-misc-r-end");
+      await page.keyboard.press("o");
+    },
+  );
 
-  await step('a flight alone: the flame burns while the key is held, and only then', async () => {
-    await choose('hic');
-    await page.keyboard.press('Enter');
-    const dark = await canvas.count(page, 'front', canvas.FIRE);
-    await page.keyboard.down('ArrowUp');
-    // The browser's own auto-repeat: the same key comes again without having been released.
-    await page.keyboard.down('ArrowUp');
-    await page.waitForTimeout(260);
-    const bright = await canvas.count(page, 'front', canvas.FIRE);
-    await page.keyboard.up('ArrowUp');
-    assert.ok(bright > dark + 150, `${dark} pixels of fire before the key, ${bright} while it was held`);
-    await page.waitForTimeout(350);
-    const after = await canvas.count(page, 'front', canvas.FIRE);
-    assert.ok(after < bright / 2, `${after} pixels of fire after it was released, ${bright} before`);
-  });
+  await step(
+    "a flight alone: the flame burns while the key is held, and only then",
+    async () => {
+      await choose("hic");
+      await page.keyboard.press("Enter");
+      const dark = await canvas.count(page, "front", canvas.FIRE);
+      await page.keyboard.down("ArrowUp");
+      // The browser's own auto-repeat: the same key comes again without having been released.
+      await page.keyboard.down("ArrowUp");
+      await page.waitForTimeout(260);
+      const bright = await canvas.count(page, "front", canvas.FIRE);
+      await page.keyboard.up("ArrowUp");
+      assert.ok(
+        bright > dark + 150,
+        `${dark} pixels of fire before the key, ${bright} while it was held`,
+      );
+      await page.waitForTimeout(350);
+      const after = await canvas.count(page, "front", canvas.FIRE);
+      assert.ok(
+        after < bright / 2,
+        `${after} pixels of fire after it was released, ${bright} before`,
+      );
+    },
+  );
 
-  await step('when the window loses its focus, keys are released and time stands still', async () => {
-    await page.keyboard.down('ArrowUp');
-    await page.keyboard.down('ArrowLeft');
-    await page.waitForTimeout(100);
-    assert.equal(await page.locator('.hud kbd.held').count(), 2);
-    await loseFocus();
-    await card('paused').waitFor();
-    const stopped = await seconds();
-    await shot('4-paused');
-    await page.waitForTimeout(400);
-    assert.equal(await seconds(), stopped);
-    await page.keyboard.up('ArrowUp');
-    await page.keyboard.up('ArrowLeft');
-    await page.keyboard.press('Enter');
-    await assertSoon(async () => (await seconds()) > stopped || (await anyEnding.count()) > 0, 'the flight goes on');
-    assert.equal(await page.locator('.hud kbd.held').count(), 0);
-    await anyEnding.waitFor();
-    await shot('5-alone-end');
-  });
+  await step(
+    "when the window loses its focus, keys are released and time stands still",
+    async () => {
+      await page.keyboard.down("ArrowUp");
+      await page.keyboard.down("ArrowLeft");
+      await page.waitForTimeout(100);
+      assert.equal(await page.locator(".hud kbd.held").count(), 2);
+      await loseFocus();
+      await card("paused").waitFor();
+      const stopped = await seconds();
+      await shot("4-paused");
+      await page.waitForTimeout(400);
+      assert.equal(await seconds(), stopped);
+      await page.keyboard.up("ArrowUp");
+      await page.keyboard.up("ArrowLeft");
+      await page.keyboard.press("Enter");
+      await assertSoon(
+        async () =>
+          (await seconds()) > stopped || (await anyEnding.count()) > 0,
+        "the flight goes on",
+      );
+      assert.equal(await page.locator(".hud kbd.held").count(), 0);
+      await anyEnding.waitFor();
+      await shot("5-alone-end");
+    },
+  );
 
-  await step('the robot flies alone, at half the speed, until it is stopped', async () => {
-    await choose('demo');
-    await page.selectOption('footer > label select', '0.5');
-    await card('ready').waitFor();
-    await page.keyboard.press('Enter');
-    await assertSoon(async () => (await seconds()) > 0.1, 'the clock runs');
-    const [from, since] = [await seconds(), performance.now()];
-    await page.waitForTimeout(1000);
-    const rate = ((await seconds()) - from) / ((performance.now() - since) / 1000);
-    assert.ok(rate > 0.35 && rate < 0.6, `${rate.toFixed(2)} seconds of the world in a second`);
-    await page.keyboard.press('Escape');
-    await page.click('.card .secondary');
-    await card('abandoned').waitFor();
-    await page.selectOption('footer > label select', '1');
-  });
+  await step(
+    "the robot flies alone, at half the speed, until it is stopped",
+    async () => {
+      await choose("demo");
+      await page.selectOption("footer > label select", "0.5");
+      await card("ready").waitFor();
+      await page.keyboard.press("Enter");
+      await assertSoon(async () => (await seconds()) > 0.1, "the clock runs");
+      const [from, since] = [await seconds(), performance.now()];
+      await page.waitForTimeout(1000);
+      const rate =
+        ((await seconds()) - from) / ((performance.now() - since) / 1000);
+      assert.ok(
+        rate > 0.35 && rate < 0.6,
+        `${rate.toFixed(2)} seconds of the world in a second`,
+      );
+      await page.keyboard.press("Escape");
+      await page.click(".card .secondary");
+      await card("abandoned").waitFor();
+      await page.selectOption("footer > label select", "1");
+    },
+  );
 
   let alone;
-  await step('all flights are stored, as they were flown', async () => {
+  await step("all flights are stored, as they were flown", async () => {
     const [robot, newest, older] = await finished(before + 3);
-    assert.deepEqual([robot.rule, newest.rule, older.rule], ['robot', 'hic', 'misc-r']);
-    assert.deepEqual([robot.ending, robot.time_scale], ['abandoned', 0.5]);
+    assert.deepEqual(
+      [robot.rule, newest.rule, older.rule],
+      ["robot", "hic", "misc-r"],
+    );
+    assert.deepEqual([robot.ending, robot.time_scale], ["abandoned", 0.5]);
     for (const episode of [newest, older]) {
-      assert.equal(episode.pilot, 'person');
-      assert.ok(episode.ticks > 20, `episode ${episode.id} has ${episode.ticks} ticks`);
+      assert.equal(episode.pilot, "person");
+      assert.ok(
+        episode.ticks > 20,
+        `episode ${episode.id} has ${episode.ticks} ticks`,
+      );
     }
-    assert.match(older.values ?? '', /^[0-9a-f]{64}$/);
+    assert.match(older.values ?? "", /^[0-9a-f]{64}$/);
     alone = newest;
   });
 
-  await step('its key log has every press once and the release at the pause', async () => {
-    const kinds = readEvents(await server.record(alone.id)).map((event) => event.kind);
-    assert.deepEqual(kinds, ['down', 'up', 'down', 'down', 'release-all']);
-  });
+  await step(
+    "its key log has every press once and the release at the pause",
+    async () => {
+      const kinds = readEvents(await server.record(alone.id)).map(
+        (event) => event.kind,
+      );
+      assert.deepEqual(kinds, ["down", "up", "down", "down", "release-all"]);
+    },
+  );
 
-  await step('the list shows them, and a click replays one, bit for bit', async () => {
-    await page.click('[data-tab=episodes]');
-    const rows = page.locator('tbody tr');
-    await rows.first().waitFor();
-    assert.equal(await rows.count(), Math.min(before + 3, 50));
-    await shot('6-episodes');
-    await rows.nth(2).click();
-    await page.locator('.exact[data-identical=true]').waitFor();
-    await page.selectOption('.player select', '4');
-    await assertSoon(async () => /Play/.test(await page.locator('.play').innerText()), 'the replay plays to its end');
-    await shot('7-replay');
-  });
+  await step(
+    "the list shows them, and a click replays one, bit for bit",
+    async () => {
+      await page.click("[data-tab=episodes]");
+      const rows = page.locator("tbody tr");
+      await rows.first().waitFor();
+      assert.equal(await rows.count(), Math.min(before + 3, 50));
+      await shot("6-episodes");
+      await rows.nth(2).click();
+      await page.locator(".exact[data-identical=true]").waitFor();
+      await page.selectOption(".player select", "4");
+      await assertSoon(
+        async () => /Play/.test(await page.locator(".play").innerText()),
+        "the replay plays to its end",
+      );
+      await shot("7-replay");
+    },
+  );
 
-  await step('the scrubber goes to any moment, by mouse and by keys', async () => {
-    const slider = page.locator('.scrubber input');
-    const { x, y, width, height } = await slider.boundingBox();
-    const time = async () => Number.parseFloat(await page.locator('.time').innerText());
-    const at = async (part) => {
-      await page.mouse.click(x + part * width, y + height / 2);
-      await page.waitForTimeout(150);
-      return { time: await time(), place: await canvas.craft(page) };
-    };
-    const [late, early] = [await at(0.8), await at(0.1)];
-    assert.ok(late.time > 4 * early.time, `${early.time} s and ${late.time} s`);
-    assert.ok(Math.hypot(late.place.x - early.place.x, late.place.y - early.place.y) > 20, 'the craft is elsewhere');
-    await page.keyboard.press('ArrowRight');
-    assert.equal((await time()).toFixed(2), (early.time + 0.02).toFixed(2));
-    await shot('8-scrubbed');
-  });
+  await step(
+    "the scrubber goes to any moment, by mouse and by keys",
+    async () => {
+      const slider = page.locator(".scrubber input");
+      const { x, y, width, height } = await slider.boundingBox();
+      const time = async () =>
+        Number.parseFloat(await page.locator(".time").innerText());
+      const at = async (part) => {
+        await page.mouse.click(x + part * width, y + height / 2);
+        await page.waitForTimeout(150);
+        return { time: await time(), place: await canvas.craft(page) };
+      };
+      const [late, early] = [await at(0.8), await at(0.1)];
+      assert.ok(
+        late.time > 4 * early.time,
+        `${early.time} s and ${late.time} s`,
+      );
+      assert.ok(
+        Math.hypot(late.place.x - early.place.x, late.place.y - early.place.y) >
+          20,
+        "the craft is elsewhere",
+      );
+      await page.keyboard.press("ArrowRight");
+      assert.equal((await time()).toFixed(2), (early.time + 0.02).toFixed(2));
+      await shot("8-scrubbed");
+    },
+  );
 
   if (server.isOurs) {
-    await step('what is flown while the server is away is delivered when it is back', async () => {
-      await page.keyboard.press('Escape');
-      await page.click('[data-tab=fly]');
-      await choose('hic');
-      await server.stop();
-      await page.locator('.dot[data-state=off]').waitFor();
-      await page.keyboard.press('Enter');
-      await page.keyboard.press('ArrowLeft', { delay: 150 });
-      await anyEnding.waitFor();
-      await shot('9-away');
-      await server.startAgain();
-      const [newest] = await finished(before + 4);
-      assert.equal(newest.rule, 'hic');
-    });
+    await step(
+      "what is flown while the server is away is delivered when it is back",
+      async () => {
+        await page.keyboard.press("Escape");
+        await page.click("[data-tab=fly]");
+        await choose("hic");
+        await server.stop();
+        await page.locator(".dot[data-state=off]").waitFor();
+        await page.keyboard.press("Enter");
+        await page.keyboard.press("ArrowLeft", { delay: 150 });
+        await anyEnding.waitFor();
+        await shot("9-away");
+        await server.startAgain();
+        const [newest] = await finished(before + 4);
+        assert.equal(newest.rule, "hic");
+      },
+    );
   }
 
-  await step('nothing was complained of', () => assert.deepEqual(complaints, []));
+  await step("nothing was complained of", () =>
+    assert.deepEqual(complaints, []),
+  );
   console.log(`browser-test: ${passed} steps passed; screenshots in ${folder}`);
 } catch (error) {
   console.log(`FAILED after ${passed} steps: ${error.message ?? error}`);
-  if (complaints.length > 0) console.log(`the page complained: ${complaints.join('; ')}`);
-  await shot('failed').catch(() => {});
+  if (complaints.length > 0)
+    console.log(`the page complained: ${complaints.join("; ")}`);
+  await shot("failed").catch(() => {});
   process.exitCode = 1;
 } finally {
   await browser.close();
@@ -243,11 +366,14 @@ try {
 /** Another tab comes to the front. Playwright pretends that every page has the focus, so that is switched off first. */
 async function loseFocus() {
   const devtools = await context.newCDPSession(page);
-  await devtools.send('Emulation.setFocusEmulationEnabled', { enabled: false });
+  await devtools.send("Emulation.setFocusEmulationEnabled", { enabled: false });
   const other = await context.newPage();
   await other.bringToFront();
-  await assertSoon(() => page.evaluate(() => !document.hasFocus()), 'the page loses its focus');
+  await assertSoon(
+    () => page.evaluate(() => !document.hasFocus()),
+    "the page loses its focus",
+  );
   await other.close();
   await page.bringToFront();
-  await devtools.send('Emulation.setFocusEmulationEnabled', { enabled: true });
+  await devtools.send("Emulation.setFocusEmulationEnabled", { enabled: true });
 }

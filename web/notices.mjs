@@ -32,8 +32,21 @@ function cargo(...words) {
 
 /** Packages whose code is in the page, without our own: what is needed at run time, by the features that it takes. */
 function crates() {
-  const tree = cargo('tree', '--locked', '--package', 'cohelm-page', '--target', TARGET, '--edges', 'normal,no-proc-macro',
-    '--prefix', 'none', '--no-dedupe', '--format', '{p}');
+  const tree = cargo(
+    'tree',
+    '--locked',
+    '--package',
+    'cohelm-page',
+    '--target',
+    TARGET,
+    '--edges',
+    'normal,no-proc-macro',
+    '--prefix',
+    'none',
+    '--no-dedupe',
+    '--format',
+    '{p}',
+  );
   const needed = new Set(tree.split('\n').map((line) => line.split(' ').slice(0, 2).join(' ')));
   const { packages } = JSON.parse(cargo('metadata', '--locked', '--format-version', '1', '--filter-platform', TARGET));
   return packages
@@ -44,7 +57,9 @@ function crates() {
 /** The text of a package's licence: MIT's where that may be chosen, otherwise what it has. */
 function licence({ name, license, manifest_path }) {
   const folder = dirname(manifest_path);
-  const files = readdirSync(folder).filter((file) => /^(licen[sc]e|copying|unlicense)/i.test(file)).sort();
+  const files = readdirSync(folder)
+    .filter((file) => /^(licen[sc]e|copying|unlicense)/i.test(file))
+    .sort();
   const mit = /\bMIT\b/.test(license) ? files.find((file) => /mit/i.test(file)) : undefined;
   const chosen = mit ?? files.find((file) => /^licen[sc]e(\.(txt|md))?$/i.test(file)) ?? files[0];
   if (chosen !== undefined) return readFileSync(join(folder, chosen), 'utf8');
@@ -54,14 +69,19 @@ function licence({ name, license, manifest_path }) {
 }
 
 function notices() {
-  const texts = crates().map((made) => [
-    `${made.name} ${made.version}: ${made.license}, ${made.repository ?? made.homepage ?? `https://crates.io/crates/${made.name}`}`,
-    ...(made.authors.length > 0 ? [`Authors: ${made.authors.join(', ')}`] : []),
-    '',
-    licence(made).replaceAll('\r', '').trim(),
-  ].join('\n'));
+  const texts = crates().map((made) =>
+    [
+      `${made.name} ${made.version}: ${made.license}, ${made.repository ?? made.homepage ?? `https://crates.io/crates/${made.name}`}`,
+      ...(made.authors.length > 0 ? [`Authors: ${made.authors.join(', ')}`] : []),
+      '',
+      licence(made).replaceAll('\r', '').trim(),
+    ].join('\n'),
+  );
   const text = [HEAD, ...texts, STANDARD_LIBRARY].join(`\n${RULE}\n`);
-  return `${text.split('\n').map((line) => line.trimEnd()).join('\n')}\n`;
+  return `${text
+    .split('\n')
+    .map((line) => line.trimEnd())
+    .join('\n')}\n`;
 }
 
 const text = notices();

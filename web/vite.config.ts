@@ -6,7 +6,8 @@ const onlyOurOwn: Plugin = {
   generateBundle(_, bundle) {
     for (const chunk of Object.values(bundle)) {
       const foreign = chunk.type === 'chunk' ? chunk.moduleIds.filter((id) => id.includes('node_modules')) : [];
-      if (foreign.length > 0) this.error(`the page would carry ${foreign.join(', ')}: add its licence to notices.mjs first`);
+      if (foreign.length > 0)
+        this.error(`the page would carry ${foreign.join(', ')}: add its licence to notices.mjs first`);
     }
   },
 };

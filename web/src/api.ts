@@ -21,9 +21,7 @@ export interface ModelEntry {
 
 /** How far an episode is. */
 export type Progress =
-  | { state: 'in-the-air' }
-  | { state: 'finished'; ending: Ending }
-  | { state: 'refused'; reason: string };
+  { state: 'in-the-air' } | { state: 'finished'; ending: Ending } | { state: 'refused'; reason: string };
 
 /** A row of the list of episodes. */
 export type EpisodeEntry = Progress & {
@@ -92,7 +90,9 @@ export async function modelBytes(hash: string): Promise<Uint8Array> {
 }
 
 /** A part of the list of episodes, the newest first; `next` is what to ask for as `before`. */
-export async function listEpisodes(before: number | null = null): Promise<{ episodes: EpisodeEntry[]; next: number | null }> {
+export async function listEpisodes(
+  before: number | null = null,
+): Promise<{ episodes: EpisodeEntry[]; next: number | null }> {
   const answer = await ask(`/api/episodes${before === null ? '' : `?before=${before}`}`);
   return (await answer.json()) as { episodes: EpisodeEntry[]; next: number | null };
 }

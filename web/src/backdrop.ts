@@ -28,7 +28,16 @@ export function paintBackdrop(pen: Pen, view: View, scene: Scene, ownGoal: numbe
     else if (part.role === 'goal') paintGoal(pen, view, part, part.goal === ownGoal);
     else paintDecor(pen, view, part);
   }
-  goals.forEach((part, i) => paintLabel(pen, view, part, labelOf(i + 1, goals.length, part.goal === ownGoal), part.goal === ownGoal, terrain.exists));
+  goals.forEach((part, i) =>
+    paintLabel(
+      pen,
+      view,
+      part,
+      labelOf(i + 1, goals.length, part.goal === ownGoal),
+      part.goal === ownGoal,
+      terrain.exists,
+    ),
+  );
 }
 
 function paintSky(pen: Pen, view: View, hasGround: boolean): void {
@@ -116,10 +125,17 @@ function ridgeLine(random: Random, frequency: number): (x: number) => number {
     const [a, b] = [heights[cell & 255]!, heights[(cell + 1) & 255]!];
     return a + (b - a) * part * part * (3 - 2 * part);
   };
-  const octaves = [0, 1, 2, 3, 4].map((octave) => ({ frequency: frequency * 2 ** octave, weight: 0.5 ** octave, shift: 37 * octave }));
+  const octaves = [0, 1, 2, 3, 4].map((octave) => ({
+    frequency: frequency * 2 ** octave,
+    weight: 0.5 ** octave,
+    shift: 37 * octave,
+  }));
   const most = octaves.reduce((sum, octave) => sum + octave.weight, 0);
-  return (x) => octaves.reduce((sum, { frequency, weight, shift }) =>
-    sum + weight * (1 - Math.abs(2 * noise(x * frequency + shift) - 1)), 0) / most;
+  return (x) =>
+    octaves.reduce(
+      (sum, { frequency, weight, shift }) => sum + weight * (1 - Math.abs(2 * noise(x * frequency + shift) - 1)),
+      0,
+    ) / most;
 }
 
 /** Where nothing else gives a hold, lines do. */
@@ -161,10 +177,18 @@ function paintGround(pen: Pen, view: View, scene: Scene, part: Part, random: Ran
 /** Light that falls on the ground's edge, and layers below it. */
 function paintRim(pen: Pen, view: View, shape: Shape): void {
   const unit = view.scale / 40;
-  for (const [width, alpha] of [[46, 0.05], [26, 0.07], [12, 0.1]] as const) {
+  for (const [width, alpha] of [
+    [46, 0.05],
+    [26, 0.07],
+    [12, 0.1],
+  ] as const) {
     strokeWorld(pen, view, shape, `rgba(${GROUND.rim}, ${alpha})`, (width * unit) / view.line);
   }
-  for (const [down, alpha] of [[34, 0.1], [62, 0.07], [96, 0.05]] as const) {
+  for (const [down, alpha] of [
+    [34, 0.1],
+    [62, 0.07],
+    [96, 0.05],
+  ] as const) {
     strokeWorld(pen, view, shape, `rgba(${GROUND.rim}, ${alpha})`, 1.2, down * unit);
   }
 }
@@ -186,7 +210,8 @@ function widened(shape: Shape, scene: Scene, view: View): Shape {
   const [west, south, east] = scene.bounds;
   const [left, right] = view.span;
   const [farWest, farSouth, farEast] = boxOf([shape]);
-  const x = (at: number) => (at === farWest && at <= west ? Math.min(at, left - 1) : at === farEast && at >= east ? Math.max(at, right + 1) : at);
+  const x = (at: number) =>
+    at === farWest && at <= west ? Math.min(at, left - 1) : at === farEast && at >= east ? Math.max(at, right + 1) : at;
   const y = (at: number) => (at === farSouth && at <= south ? at - 1 : at);
   return { ...shape, points: shape.points.map(([px, py]) => [x(px), y(py)]) };
 }
@@ -202,7 +227,9 @@ function paintBeam(pen: Pen, view: View, part: Part): void {
   const light = column.getContext('2d');
   if (light === null) return;
   const across = light.createLinearGradient(0, 0, width, 0);
-  [0, 0.3, 0.8, 1, 0.8, 0.3, 0].forEach((alpha, i) => across.addColorStop(i / 6, `rgba(${OWN.light}, ${0.42 * alpha})`));
+  [0, 0.3, 0.8, 1, 0.8, 0.3, 0].forEach((alpha, i) =>
+    across.addColorStop(i / 6, `rgba(${OWN.light}, ${0.42 * alpha})`),
+  );
   light.fillStyle = across;
   light.fillRect(0, 0, width, height);
   const upwards = light.createLinearGradient(0, height, 0, 0);

@@ -14,7 +14,7 @@ export interface CardAction {
 /** One card at a time. */
 export class Card {
   readonly node = element('div', { class: 'card', hidden: true });
-  /** Says to those who hear the page what the card says to those who see it. It is always there: one that comes and goes is not read. */
+  /** Says to those who hear the page what the card says to those who see it. It never goes: what comes anew is not read. */
   readonly voice = element('p', { class: 'voice', role: 'status' });
   private readonly remark = element('p', { class: 'remark', hidden: true });
   private timer = 0;
@@ -30,7 +30,12 @@ export class Card {
     this.remark.hidden = true;
     const fill = () => {
       this.node.dataset['kind'] = kind;
-      this.node.replaceChildren(element('h2', {}, title), ...content, this.remark, element('div', { class: 'actions' }, ...buttons));
+      this.node.replaceChildren(
+        element('h2', {}, title),
+        ...content,
+        this.remark,
+        element('div', { class: 'actions' }, ...buttons),
+      );
       this.node.hidden = false;
       this.voice.textContent = [title, ...content.map((part) => part.textContent ?? '')].join('. ');
     };

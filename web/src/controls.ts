@@ -19,7 +19,9 @@ export class Controls {
     private readonly changed: (change: Partial<Settings>) => void,
     private readonly toggleOverlay: () => void,
   ) {
-    this.opener = button('', { class: 'secondary opener', 'aria-expanded': 'false', 'aria-controls': 'choices' }, () => this.open(this.panel.hidden !== false));
+    this.opener = button('', { class: 'secondary opener', 'aria-expanded': 'false', 'aria-controls': 'choices' }, () =>
+      this.open(this.panel.hidden !== false),
+    );
     // A click leaves the focus on a button, where the next Space or Enter would press it again; keys leave it there.
     this.node.addEventListener('click', (event) => {
       if (event.detail > 0 && event.target instanceof HTMLButtonElement) event.target.blur();
@@ -55,7 +57,8 @@ export class Controls {
     const trained = this.hangar.fitting('values', this.task).length > 0;
     const own = this.hangar.try(this.task)?.hasValues === true;
     if (needs === 'nothing' || trained || (needs === 'values' && own)) return null;
-    return own ? 'This needs a trained co-pilot; the plant’s own values have no measured range.'
+    return own
+      ? 'This needs a trained co-pilot; the plant’s own values have no measured range.'
       : 'There is no trained co-pilot for these actions.';
   }
 
@@ -66,9 +69,13 @@ export class Controls {
     this.opener.textContent = `${this.plant} · ${label} ▴`;
     const open = this.panel.hidden === false;
     this.panel.replaceChildren(...this.choices());
-    this.node.replaceChildren(this.modes(),
+    this.node.replaceChildren(
+      this.modes(),
       select('speed', TIME_SCALES, String(settings.timeScale), (scale) => this.changed({ timeScale: Number(scale) })),
-      element('span', { class: 'choices' }, this.opener, this.panel), element('span', { class: 'spacer' }), this.overlayButton());
+      element('span', { class: 'choices' }, this.opener, this.panel),
+      element('span', { class: 'spacer' }),
+      this.overlayButton(),
+    );
     this.open(open);
   }
 
@@ -86,8 +93,16 @@ export class Controls {
     for (const entry of MODES) {
       const why = this.whyNot(entry);
       const pressed = String(entry.mode === this.settings.mode);
-      const attributes = { title: why === null ? entry.title : `${entry.title}. ${why}`, 'data-mode': entry.mode, 'aria-pressed': pressed };
-      box.append(button(entry.label, { ...attributes, 'aria-disabled': String(why !== null) }, () => this.changed({ mode: entry.mode })));
+      const attributes = {
+        title: why === null ? entry.title : `${entry.title}. ${why}`,
+        'data-mode': entry.mode,
+        'aria-pressed': pressed,
+      };
+      box.append(
+        button(entry.label, { ...attributes, 'aria-disabled': String(why !== null) }, () =>
+          this.changed({ mode: entry.mode }),
+        ),
+      );
     }
     return box;
   }
@@ -96,23 +111,37 @@ export class Controls {
     const { hangar, settings, task } = this;
     const plants = hangar.plants.map(({ name }): [string, string] => [name, name]);
     const sets = hangar.actionSets(task.plant).map(({ key, label }): [string, string] => [key, label]);
-    const values = hangar.fitting('values', task).map((model): [string, string] => [model.hash, nameOf(model, hangar.learning)]);
-    const inferences = hangar.fitting('intent', task).length > 0 ? INFERENCES : INFERENCES.filter(([inference]) => inference === 'nearest');
+    const values = hangar
+      .fitting('values', task)
+      .map((model): [string, string] => [model.hash, nameOf(model, hangar.learning)]);
+    const inferences =
+      hangar.fitting('intent', task).length > 0
+        ? INFERENCES
+        : INFERENCES.filter(([inference]) => inference === 'nearest');
     const summary = hangar.plants.find((known) => known.name === task.plant)?.summary ?? '';
     const chosen = values.some(([hash]) => hash === settings.values) ? settings.values : (values[0]?.[0] ?? '');
     return [
       element('p', {}, summary),
       select('plant', plants, task.plant, (plant) => this.changed({ plant })),
       select('actions', sets, this.actionSet.key, (actions) => this.changed({ actions })),
-      select('co-pilot', values.length > 0 ? values : [['', 'none']], chosen,
-        (hash) => this.changed({ values: hash === values[0]?.[0] ? '' : hash })),
-      select('confidence', inferences, settings.inference, (inference) => this.changed({ inference: inference as Settings['inference'] })),
+      select('co-pilot', values.length > 0 ? values : [['', 'none']], chosen, (hash) =>
+        this.changed({ values: hash === values[0]?.[0] ? '' : hash }),
+      ),
+      select('confidence', inferences, settings.inference, (inference) =>
+        this.changed({ inference: inference as Settings['inference'] }),
+      ),
       this.seedBox(),
     ];
   }
 
   private seedBox(): HTMLElement {
-    const box = element('input', { type: 'number', min: '0', step: '1', placeholder: 'random', value: this.seed === null ? '' : String(this.seed) });
+    const box = element('input', {
+      type: 'number',
+      min: '0',
+      step: '1',
+      placeholder: 'random',
+      value: this.seed === null ? '' : String(this.seed),
+    });
     box.addEventListener('change', () => {
       const seed = box.value === '' ? null : Number(box.value);
       this.seed = seed !== null && Number.isSafeInteger(seed) && seed >= 0 ? seed : null;

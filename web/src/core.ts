@@ -158,7 +158,10 @@ export class CoreStopped extends Error {}
 export class Core {
   private readonly models = new Map<string, Uint8Array>();
 
-  private constructor(private readonly module: WebAssembly.Module, private wasm: Exports) {}
+  private constructor(
+    private readonly module: WebAssembly.Module,
+    private wasm: Exports,
+  ) {}
 
   static async load(source: BufferSource | Response | Promise<Response>): Promise<Core> {
     const module =

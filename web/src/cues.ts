@@ -84,7 +84,10 @@ export function paintOutOfSight(pen: Pen, view: View, { at, size }: Motion): voi
   const beyond = 0.5 * size * view.scale;
   if (x > -beyond && x < view.width + beyond && y > -beyond && y < view.height + beyond) return;
   const margin = 26 * view.line;
-  const [px, py] = [Math.min(Math.max(x, margin), view.width - margin), Math.min(Math.max(y, margin), view.height - margin)];
+  const [px, py] = [
+    Math.min(Math.max(x, margin), view.width - margin),
+    Math.min(Math.max(y, margin), view.height - margin),
+  ];
   const angle = Math.atan2(y - py, x - px);
   pen.save();
   pen.translate(px, py);
@@ -171,12 +174,27 @@ export function paintShadow(pen: Pen, view: View, { at, size }: Motion, ground: 
   const near = 1 - Math.max(height, 0) / (7 * size);
   pen.fillStyle = `rgba(3, 6, 14, ${0.5 * near})`;
   pen.beginPath();
-  pen.ellipse(view.x(at[0]), view.y(ground) + 4, size * view.scale * (0.75 - 0.35 * near), 2 + 3 * near, 0, 0, 2 * Math.PI);
+  pen.ellipse(
+    view.x(at[0]),
+    view.y(ground) + 4,
+    size * view.scale * (0.75 - 0.35 * near),
+    2 + 3 * near,
+    0,
+    0,
+    2 * Math.PI,
+  );
   pen.fill();
 }
 
 /** How the craft moves, from two poses a tick apart and the pose that is shown. */
-export function motionOf(older: Pose | undefined, newer: Pose | undefined, shown: Pose, size: number, ticksPerSecond: number): Motion {
-  const speed = (a: number | undefined, b: number | undefined) => (a === undefined || b === undefined ? 0 : (b - a) * ticksPerSecond);
+export function motionOf(
+  older: Pose | undefined,
+  newer: Pose | undefined,
+  shown: Pose,
+  size: number,
+  ticksPerSecond: number,
+): Motion {
+  const speed = (a: number | undefined, b: number | undefined) =>
+    a === undefined || b === undefined ? 0 : (b - a) * ticksPerSecond;
   return { at: [shown.x, shown.y], velocity: [speed(older?.x, newer?.x), speed(older?.y, newer?.y)], size };
 }

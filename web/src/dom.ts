@@ -16,7 +16,11 @@ export function element<Name extends keyof HTMLElementTagNameMap>(
 }
 
 /** A button that does something. */
-export function button(label: string, attributes: Record<string, string | boolean>, press: () => void): HTMLButtonElement {
+export function button(
+  label: string,
+  attributes: Record<string, string | boolean>,
+  press: () => void,
+): HTMLButtonElement {
   const made = element('button', { type: 'button', ...attributes }, label);
   made.addEventListener('click', press);
   return made;

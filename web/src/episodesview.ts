@@ -6,7 +6,15 @@ import { button, element } from './dom';
 import { ENDING_WORDS, reasonOf, RULE_NAMES } from './words';
 
 const HEAD: [name: string, kind: string][] = [
-  ['', 'number'], ['when', ''], ['plant', ''], ['rule', ''], ['pilot', ''], ['outcome', ''], ['seconds', 'number'], ['speed', 'number'], ['seed', 'number'],
+  ['', 'number'],
+  ['when', ''],
+  ['plant', ''],
+  ['rule', ''],
+  ['pilot', ''],
+  ['outcome', ''],
+  ['seconds', 'number'],
+  ['speed', 'number'],
+  ['seed', 'number'],
 ];
 
 export class EpisodesView implements View {
@@ -20,10 +28,21 @@ export class EpisodesView implements View {
 
   constructor(private readonly context: Context) {
     const head = element('tr', {}, ...HEAD.map(([name, kind]) => element('th', { class: kind, scope: 'col' }, name)));
-    this.main.append(element('h2', {}, 'Episodes'), this.remark,
-      element('table', {}, element('thead', {}, head), this.body), this.older);
-    this.footer.append(button('← Fly', { class: 'secondary' }, () => context.go('fly')), element('span', { class: 'spacer' }),
-      element('span', { class: 'note' }, 'Every flight can be watched again; it is flown anew in this page from its keys.'));
+    this.main.append(
+      element('h2', {}, 'Episodes'),
+      this.remark,
+      element('table', {}, element('thead', {}, head), this.body),
+      this.older,
+    );
+    this.footer.append(
+      button('← Fly', { class: 'secondary' }, () => context.go('fly')),
+      element('span', { class: 'spacer' }),
+      element(
+        'span',
+        { class: 'note' },
+        'Every flight can be watched again; it is flown anew in this page from its keys.',
+      ),
+    );
     context.onStored.add(this.onStored);
     void this.load(null);
   }
@@ -52,11 +71,19 @@ export class EpisodesView implements View {
     const cell = (kind: string, ...content: (Node | string)[]) => element('td', { class: kind }, ...content);
     const open = episode.state === 'finished';
     const name = open ? element('a', { href: `#/episodes/${id}` }, String(id)) : String(id);
-    const row = element('tr', { class: open ? 'opens' : '' },
-      cell('number', name), cell('', new Date(started_at_ms).toLocaleString()),
+    const row = element(
+      'tr',
+      { class: open ? 'opens' : '' },
+      cell('number', name),
+      cell('', new Date(started_at_ms).toLocaleString()),
       cell('', typeof actions === 'string' ? `${plant} · ${actions}` : plant),
-      cell('', RULE_NAMES[rule as keyof typeof RULE_NAMES] ?? rule), cell('', pilot), cell('', outcome(episode)),
-      cell('number', (ticks / 50).toFixed(1)), cell('number', `${time_scale}×`), cell('number', String(seed)));
+      cell('', RULE_NAMES[rule as keyof typeof RULE_NAMES] ?? rule),
+      cell('', pilot),
+      cell('', outcome(episode)),
+      cell('number', (ticks / 50).toFixed(1)),
+      cell('number', `${time_scale}×`),
+      cell('number', String(seed)),
+    );
     if (open) row.addEventListener('click', () => this.context.go(`episodes/${id}`));
     return row;
   }

@@ -35,7 +35,10 @@ export class Exhaust {
   private readonly terrain: Terrain;
 
   /** With `calm` flames stand still and nothing flies. */
-  constructor(scene: Scene, private readonly calm: boolean) {
+  constructor(
+    scene: Scene,
+    private readonly calm: boolean,
+  ) {
     this.nozzles = scene.movable.map((part) => (part.role === 'thrust' ? nozzleOf(part) : null));
     this.shown = scene.movable.map(() => 0);
     this.terrain = new Terrain(scene);
@@ -114,8 +117,14 @@ export class Exhaust {
       const kind: Kind = i % 5 === 0 ? 'shard' : i % 5 < 3 ? 'ember' : 'dust';
       const [angle, speed] = [Math.PI * (0.04 + 0.92 * Math.random()), size * (1.2 + 6.5 * Math.random() ** 1.6)];
       this.add({
-        kind, x: x + size * (Math.random() - 0.5), y: y + 0.3 * size * Math.random(), vx: Math.cos(angle) * speed, vy: Math.sin(angle) * speed,
-        age: 0, life: kind === 'dust' ? 1.6 : 0.7 + 0.9 * Math.random(), size: size * (kind === 'dust' ? 0.16 : 0.05 + 0.07 * Math.random()),
+        kind,
+        x: x + size * (Math.random() - 0.5),
+        y: y + 0.3 * size * Math.random(),
+        vx: Math.cos(angle) * speed,
+        vy: Math.sin(angle) * speed,
+        age: 0,
+        life: kind === 'dust' ? 1.6 : 0.7 + 0.9 * Math.random(),
+        size: size * (kind === 'dust' ? 0.16 : 0.05 + 0.07 * Math.random()),
         turn: 6.3 * Math.random(),
       });
     }
@@ -127,8 +136,15 @@ export class Exhaust {
     for (let i = 0; i < 70; i += 1) {
       const side = Math.random() - 0.5;
       this.add({
-        kind: 'ember', x: x + 2.6 * size * side, y: y - 0.3 * size, vx: 1.2 * size * side, vy: size * (1.6 + 3.4 * Math.random()),
-        age: -0.5 * Math.random(), life: 1.2 + 0.8 * Math.random(), size: size * (0.02 + 0.04 * Math.random()), turn: 0,
+        kind: 'ember',
+        x: x + 2.6 * size * side,
+        y: y - 0.3 * size,
+        vx: 1.2 * size * side,
+        vy: size * (1.6 + 3.4 * Math.random()),
+        age: -0.5 * Math.random(),
+        life: 1.2 + 0.8 * Math.random(),
+        size: size * (0.02 + 0.04 * Math.random()),
+        turn: 0,
       });
     }
   }
@@ -142,9 +158,15 @@ export class Exhaust {
       const [dx, dy] = [tip[0] - mouth[0], tip[1] - mouth[1]];
       const speed = 3.6 + 2.6 * Math.random();
       this.add({
-        kind: 'spark', x: mouth[0] + along * dx, y: mouth[1] + along * dy,
-        vx: speed * (dx - aside * dy), vy: speed * (dy + aside * dx),
-        age: 0, life: 0.28 + 0.3 * Math.random(), size: nozzle.half * (0.1 + 0.16 * Math.random()), turn: 0,
+        kind: 'spark',
+        x: mouth[0] + along * dx,
+        y: mouth[1] + along * dy,
+        vx: speed * (dx - aside * dy),
+        vy: speed * (dy + aside * dx),
+        age: 0,
+        life: 0.28 + 0.3 * Math.random(),
+        size: nozzle.half * (0.1 + 0.16 * Math.random()),
+        turn: 0,
       });
     }
   }
@@ -180,17 +202,28 @@ export class Exhaust {
     // What meets the ground is turned aside: exhaust raises dust, shards bounce.
     particle.y = ground;
     particle.vy = Math.abs(particle.vy) * (0.12 + 0.2 * Math.random());
-    particle.vx = particle.vx * 0.4 + (particle.kind === 'spark' ? Math.abs(particle.vy) * 4 * (Math.random() - 0.5) : 0);
-    if (particle.kind === 'spark') Object.assign(particle, { kind: 'dust', age: 0, life: 0.7 + 0.5 * Math.random(), size: particle.size * 1.5 });
+    particle.vx =
+      particle.vx * 0.4 + (particle.kind === 'spark' ? Math.abs(particle.vy) * 4 * (Math.random() - 0.5) : 0);
+    if (particle.kind === 'spark')
+      Object.assign(particle, { kind: 'dust', age: 0, life: 0.7 + 0.5 * Math.random(), size: particle.size * 1.5 });
   }
 }
 
 /** What a soft particle looks like when this part of its life is left. */
-function look({ kind, age, size }: Particle, left: number): { sprite: HTMLCanvasElement; glows: boolean; alpha: number; size: number } {
+function look(
+  { kind, age, size }: Particle,
+  left: number,
+): { sprite: HTMLCanvasElement; glows: boolean; alpha: number; size: number } {
   if (age < 0) return { sprite: SPRITES.ember, glows: true, alpha: 0, size };
-  if (kind === 'dust') return { sprite: SPRITES.dust, glows: false, alpha: 0.34 * left, size: size * (2.2 + 4 * (1 - left)) };
+  if (kind === 'dust')
+    return { sprite: SPRITES.dust, glows: false, alpha: 0.34 * left, size: size * (2.2 + 4 * (1 - left)) };
   if (kind === 'ember') return { sprite: SPRITES.ember, glows: true, alpha: left, size: 2 * size };
-  return { sprite: left > 0.55 ? SPRITES.ember : SPRITES.spark, glows: true, alpha: 0.75 * left, size: size * (1.2 + 2 * left) };
+  return {
+    sprite: left > 0.55 ? SPRITES.ember : SPRITES.spark,
+    glows: true,
+    alpha: 0.75 * left,
+    size: size * (1.2 + 2 * left),
+  };
 }
 
 /** Soft round spots, painted once. */
@@ -238,6 +271,7 @@ function glow(pen: Pen, length: number, half: number, strength: number): void {
 function shard(pen: Pen, { x, y, turn, size }: Particle): void {
   pen.fillStyle = '#c6d0e6';
   pen.beginPath();
-  for (const corner of [0, 2.2, 4.1]) pen.lineTo(x + size * Math.cos(turn + corner), y + size * Math.sin(turn + corner));
+  for (const corner of [0, 2.2, 4.1])
+    pen.lineTo(x + size * Math.cos(turn + corner), y + size * Math.sin(turn + corner));
   pen.fill();
 }

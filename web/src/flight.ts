@@ -74,7 +74,9 @@ export class FlightRun {
     this.clock = new TickClock(1000 / (ticks_per_second * setup.time_scale));
     const change = (kind: KeyKind, control: number, at: number) => this.key(kind, control, at);
     this.keys = new KeyListener(controls, change);
-    this.pad = new PadListener(controls, hasAxes, change, (stick, at) => this.log(() => core.stick(stick, at - this.startedAt)));
+    this.pad = new PadListener(controls, hasAxes, change, (stick, at) =>
+      this.log(() => core.stick(stick, at - this.startedAt)),
+    );
     stage.show(scene, pilot_goal, setup.seed, ticks_per_second);
     this.frame = requestAnimationFrame((now) => this.drawFrame(now));
   }

@@ -43,12 +43,29 @@ export class FlyView implements View {
   private readonly onModels = (learnt: boolean) => void this.modelsChanged(learnt);
 
   constructor(private readonly context: Context) {
-    const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': 'The craft, the ground and the goals; your own is marked' });
+    const canvas = element('canvas', {
+      class: 'front',
+      role: 'img',
+      'aria-label': 'The craft, the ground and the goals; your own is marked',
+    });
     const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
     this.stage = new Stage(back, canvas);
-    this.field = element('div', { class: 'stage', tabindex: '-1' }, back, canvas, this.hud.node, this.card.node, this.card.voice);
+    this.field = element(
+      'div',
+      { class: 'stage', tabindex: '-1' },
+      back,
+      canvas,
+      this.hud.node,
+      this.card.node,
+      this.card.voice,
+    );
     this.main.append(this.field, this.overlay.node);
-    this.controls = new Controls(context.hangar, this.settings, (change) => this.change(change), () => this.toggleOverlay());
+    this.controls = new Controls(
+      context.hangar,
+      this.settings,
+      (change) => this.change(change),
+      () => this.toggleOverlay(),
+    );
     this.footer = this.controls.node;
     this.showOverlay();
     window.addEventListener('keydown', this.onKey);
@@ -90,16 +107,23 @@ export class FlyView implements View {
 
   private makeReady(setup: Setup): void {
     const tried = this.context.hangar.try(setup.task);
-    const run = new FlightRun(this.context.core, setup, tried?.hasAxes === true, this.stage, {
-      tick: (tick) => {
-        this.history.push(tick);
-        this.overlay.show(tick, this.history, run.ticks);
-        this.showHud();
+    const run = new FlightRun(
+      this.context.core,
+      setup,
+      tried?.hasAxes === true,
+      this.stage,
+      {
+        tick: (tick) => {
+          this.history.push(tick);
+          this.overlay.show(tick, this.history, run.ticks);
+          this.showHud();
+        },
+        paused: (paused) => (paused ? this.showPaused() : this.card.hide()),
+        ended: (summary) => this.ended(summary),
+        failed: (error) => void this.failed(error),
       },
-      paused: (paused) => (paused ? this.showPaused() : this.card.hide()),
-      ended: (summary) => this.ended(summary),
-      failed: (error) => void this.failed(error),
-    }, this.context.link);
+      this.context.link,
+    );
     this.run = run;
     this.history = new History();
     this.overlay.begin(setup.rule, run.opening.pilot_goal, run.opening.goals, tried?.labels ?? []);
@@ -108,17 +132,33 @@ export class FlyView implements View {
 
   /** A flight without a co-pilot. */
   private unassisted(seed: number): Setup {
-    const { settings, context: { hangar }, controls: { task } } = this;
+    const {
+      settings,
+      context: { hangar },
+      controls: { task },
+    } = this;
     const version = hangar.versionOf(task.plant);
     if (version === null) throw new Error(`This page knows no plant called ${task.plant}.`);
     return {
-      task, plant_version: version, seed, rule: { rule: 'hic' }, inference: 'nearest', silence: 'best', time_scale: settings.timeScale,
-      values: null, intent: null, pilot: 'person',
+      task,
+      plant_version: version,
+      seed,
+      rule: { rule: 'hic' },
+      inference: 'nearest',
+      silence: 'best',
+      time_scale: settings.timeScale,
+      values: null,
+      intent: null,
+      pilot: 'person',
     };
   }
 
   private async setup(seed: number): Promise<Setup> {
-    const { settings, context: { core, hangar }, controls: { task, mode } } = this;
+    const {
+      settings,
+      context: { core, hangar },
+      controls: { task, mode },
+    } = this;
     const fitting = hangar.fitting('values', task);
     const values = (fitting.find((model) => model.hash === settings.values) ?? fitting[0])?.hash ?? null;
     const model = hangar.fitting('intent', task)[0]?.hash ?? null;
@@ -162,18 +202,31 @@ export class FlyView implements View {
       content.push(element('p', {}, `${summary.lateTicks} ticks came late: is something else busy on this machine?`));
     }
     const watched = summary.ending === 'abandoned' || wantsCalm() ? 0 : WATCH_ENDING_MS;
-    this.card.show(summary.ending, ENDINGS[summary.ending], content, [
-      { label: 'Fly again', key: '⏎', primary: true, press: () => void this.again() },
-      { label: 'Watch it', key: 'R', press: () => this.context.go('again') },
-    ], watched);
+    this.card.show(
+      summary.ending,
+      ENDINGS[summary.ending],
+      content,
+      [
+        { label: 'Fly again', key: '⏎', primary: true, press: () => void this.again() },
+        { label: 'Watch it', key: 'R', press: () => this.context.go('again') },
+      ],
+      watched,
+    );
   }
 
   /** A sign for each flight that the person flew in this visit. */
   private tally(): HTMLElement {
     const { endings } = this.context.session;
     const landed = endings.filter((ending) => ending === 'goal').length;
-    const signs = endings.slice(-16).map((ending) =>
-      element('span', { class: 'outcome', 'data-outcome': ending, title: ENDING_WORDS[ending].word }, ENDING_WORDS[ending].sign));
+    const signs = endings
+      .slice(-16)
+      .map((ending) =>
+        element(
+          'span',
+          { class: 'outcome', 'data-outcome': ending, title: ENDING_WORDS[ending].word },
+          ENDING_WORDS[ending].sign,
+        ),
+      );
     return element('p', { class: 'tally' }, ...signs, ` ${landed} of ${endings.length} at the goal`);
   }
 
@@ -181,26 +234,49 @@ export class FlyView implements View {
     const { opening } = this.run!;
     const { mode } = this.controls;
     const robot = mode.mode === 'demo';
-    const keys = element('div', { class: 'keys' }, ...opening.controls.map((control) =>
-      element('span', { 'aria-label': `${control.keys.map(keyName)[0] ?? ''}: ${control.name}` },
-        element('kbd', {}, keyCap(control.keys[0] ?? '?')), control.name)));
-    const text = robot ? 'The robot flies to the goal that is marked ★; watch what it does.'
+    const keys = element(
+      'div',
+      { class: 'keys' },
+      ...opening.controls.map((control) =>
+        element(
+          'span',
+          { 'aria-label': `${control.keys.map(keyName)[0] ?? ''}: ${control.name}` },
+          element('kbd', {}, keyCap(control.keys[0] ?? '?')),
+          control.name,
+        ),
+      ),
+    );
+    const text = robot
+      ? 'The robot flies to the goal that is marked ★; watch what it does.'
       : 'Come to rest at your goal: the amber one, marked ★.';
-    const content = [element('p', {}, text), ...(robot ? [] : [element('p', { class: 'mode-title' }, mode.title), keys])];
-    this.card.show('ready', robot ? 'Watch the robot' : 'Ready to fly', content,
-      [{ label: 'Start', key: '⏎', primary: true, press: () => this.begin() }]);
-  }
-
-  private showPaused(): void {
-    this.card.show('paused', 'Paused', [element('p', {}, 'All keys were released; the time stands still.')], [
-      { label: 'Go on', key: '⏎', primary: true, press: () => this.begin() },
-      { label: 'End this flight', press: () => this.run?.abandon() },
+    const content = [
+      element('p', {}, text),
+      ...(robot ? [] : [element('p', { class: 'mode-title' }, mode.title), keys]),
+    ];
+    this.card.show('ready', robot ? 'Watch the robot' : 'Ready to fly', content, [
+      { label: 'Start', key: '⏎', primary: true, press: () => this.begin() },
     ]);
   }
 
+  private showPaused(): void {
+    this.card.show(
+      'paused',
+      'Paused',
+      [element('p', {}, 'All keys were released; the time stands still.')],
+      [
+        { label: 'Go on', key: '⏎', primary: true, press: () => this.begin() },
+        { label: 'End this flight', press: () => this.run?.abandon() },
+      ],
+    );
+  }
+
   private showUnable(why: string): void {
-    this.card.show('unable', 'No help to be had', [element('p', {}, why)],
-      [{ label: 'Fly alone', key: '⏎', primary: true, press: () => this.change({ mode: 'hic' }) }]);
+    this.card.show(
+      'unable',
+      'No help to be had',
+      [element('p', {}, why)],
+      [{ label: 'Fly alone', key: '⏎', primary: true, press: () => this.change({ mode: 'hic' }) }],
+    );
   }
 
   /** What cannot go on says why; a loop that stopped is loaded afresh. */
@@ -210,11 +286,25 @@ export class FlyView implements View {
     if (stopped) await this.context.core.revive();
     else if (this.run === null) this.preview();
     const actions: CardAction[] = [{ label: 'Try again', key: '⏎', primary: true, press: () => void this.prepare() }];
-    if (this.controls.mode.mode !== 'hic') actions.push({ label: 'Fly alone', press: () => this.change({ mode: 'hic' }) });
-    this.card.show('failed', stopped ? 'The loop stopped' : 'Not ready to fly', [
-      element('p', {}, sentence(reasonOf(error))),
-      ...(stopped ? [element('p', {}, 'That is a bug, and worth a report. It was loaded afresh; the flight was kept as far as it got.')] : []),
-    ], actions);
+    if (this.controls.mode.mode !== 'hic')
+      actions.push({ label: 'Fly alone', press: () => this.change({ mode: 'hic' }) });
+    this.card.show(
+      'failed',
+      stopped ? 'The loop stopped' : 'Not ready to fly',
+      [
+        element('p', {}, sentence(reasonOf(error))),
+        ...(stopped
+          ? [
+              element(
+                'p',
+                {},
+                'That is a bug, and worth a report. It was loaded afresh; the flight was kept as far as it got.',
+              ),
+            ]
+          : []),
+      ],
+      actions,
+    );
   }
 
   /** The world, without anybody who could fly in it: better to look at than nothing. */
@@ -282,6 +372,11 @@ export class FlyView implements View {
 function numbersOf(summary: FlightSummary): HTMLElement {
   const share = summary.commands === 0 ? '–' : `${Math.round((100 * summary.corrected) / summary.commands)} %`;
   const number = (value: string, label: string) => element('span', {}, element('b', {}, value), label);
-  return element('div', { class: 'numbers' },
-    number(`${summary.seconds.toFixed(1)} s`, 'in the air'), number(String(summary.commands), 'commands'), number(share, 'corrected'));
+  return element(
+    'div',
+    { class: 'numbers' },
+    number(`${summary.seconds.toFixed(1)} s`, 'in the air'),
+    number(String(summary.commands), 'commands'),
+    number(share, 'corrected'),
+  );
 }

@@ -36,8 +36,14 @@ export function stickOf(pad: PadState, controls: Control[]): Stick {
     return arrow === undefined ? 0 : pointing(pad, arrow);
   };
   const axis = (i: number) => {
-    const bound = [controls[2 * i], controls[2 * i + 1]].some((control) => ARROWS.some((key) => control?.keys.includes(key)));
-    const along = bound ? push(controls[2 * i + 1]) - push(controls[2 * i]) : 2 * i + 1 < controls.length ? (pad.axes[i] ?? 0) : 0;
+    const bound = [controls[2 * i], controls[2 * i + 1]].some((control) =>
+      ARROWS.some((key) => control?.keys.includes(key)),
+    );
+    const along = bound
+      ? push(controls[2 * i + 1]) - push(controls[2 * i])
+      : 2 * i + 1 < controls.length
+        ? (pad.axes[i] ?? 0)
+        : 0;
     return Math.round((Math.round(along * STEPS) / STEPS) * 32767);
   };
   return [axis(0), axis(1), axis(2), axis(3)];

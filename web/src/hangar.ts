@@ -82,11 +82,16 @@ export class Hangar {
   fitting(kind: ModelEntry['kind'], task: Task): ModelEntry[] {
     const labels = this.try(task)?.labels.join();
     const fits = ({ card, ...model }: ModelEntry) =>
-      model.kind === kind && (model.offered || model.hash === this.learning) &&
-      card.task.plant === task.plant && card.plant_version === this.versionOf(task.plant) &&
+      model.kind === kind &&
+      (model.offered || model.hash === this.learning) &&
+      card.task.plant === task.plant &&
+      card.plant_version === this.versionOf(task.plant) &&
       this.try(card.task)?.labels.join() === labels;
     const rank = ({ hash, card }: ModelEntry) => (hash === this.learning ? 2 : card.variant === null ? 1 : 0);
-    return this.models.filter(fits).reverse().sort((a, b) => rank(b) - rank(a));
+    return this.models
+      .filter(fits)
+      .reverse()
+      .sort((a, b) => rank(b) - rank(a));
   }
 
   /** Gives a loop the models of a setup that it does not have yet. */
@@ -101,12 +106,21 @@ export class Hangar {
     if (version === null) return null;
     try {
       const { controls } = this.trial.begin({
-        task, plant_version: version, seed: 0, rule: { rule: 'hic' }, inference: 'nearest', time_scale: 1,
-        values: null, intent: null, pilot: 'person',
+        task,
+        plant_version: version,
+        seed: 0,
+        rule: { rule: 'hic' },
+        inference: 'nearest',
+        time_scale: 1,
+        values: null,
+        intent: null,
+        pilot: 'person',
       });
       const candidates = this.trial.tick()?.candidates ?? [];
       const hasAxes = candidates.some((candidate) => candidate.action.axes !== undefined);
-      const labels = hasAxes ? controls.map((control) => control.name) : candidates.map((candidate) => candidate.action.label);
+      const labels = hasAxes
+        ? controls.map((control) => control.name)
+        : candidates.map((candidate) => candidate.action.label);
       const hasValues = candidates.some((candidate) => candidate.above_worst > 0);
       return { controls, labels, hasAxes, hasValues };
     } catch {

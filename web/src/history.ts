@@ -6,7 +6,12 @@ import type { Tick } from './core';
 export type Outcome = 'none' | 'asked' | 'corrected' | 'opposed';
 
 /** Colours of strips; taller bars say the same by their height. */
-const COLOURS: Record<Outcome, string> = { none: 'transparent', asked: '#56b4e9', corrected: '#ffb000', opposed: '#ff6a4d' };
+const COLOURS: Record<Outcome, string> = {
+  none: 'transparent',
+  asked: '#56b4e9',
+  corrected: '#ffb000',
+  opposed: '#ff6a4d',
+};
 const HEIGHTS: Record<Outcome, number> = { none: 0, asked: 0.34, corrected: 0.67, opposed: 1 };
 
 export function outcomeOf(tick: Pick<Tick, 'intervention'> | null): Outcome {

@@ -19,14 +19,22 @@ export class Hud {
     this.node.append(
       element('div', {}, this.clock, this.mode),
       this.pressed,
-      element('div', { class: 'readings' },
-        element('span', { class: 'dial' }, this.needle), this.tilt, this.upwards, this.across));
+      element(
+        'div',
+        { class: 'readings' },
+        element('span', { class: 'dial' }, this.needle),
+        this.tilt,
+        this.upwards,
+        this.across,
+      ),
+    );
   }
 
   begin(opening: Opening, mode: string): void {
     this.mode.textContent = mode;
-    this.pressed.replaceChildren(...opening.controls.map((control) =>
-      element('kbd', { title: control.name }, keyCap(control.keys[0] ?? '?'))));
+    this.pressed.replaceChildren(
+      ...opening.controls.map((control) => element('kbd', { title: control.name }, keyCap(control.keys[0] ?? '?'))),
+    );
     this.show(0, new Set(), { across: 0, upwards: 0, tilt_rad: 0 });
   }
 

@@ -11,7 +11,10 @@ export class KeyListener {
   private readonly held = new Map<string, number>();
   private readonly detachers: (() => void)[] = [];
 
-  constructor(controls: Control[], private readonly change: KeyChange) {
+  constructor(
+    controls: Control[],
+    private readonly change: KeyChange,
+  ) {
     controls.forEach((control, index) => control.keys.forEach((key) => this.bindings.set(key, index)));
   }
 
@@ -71,5 +74,8 @@ export function keyCap(code: string): string {
 
 /** The same in words, for those who hear the page. */
 export function keyName(code: string): string {
-  return code.replace(/^(Key|Digit)/, '').replace(/^Arrow/, 'arrow ').toLowerCase();
+  return code
+    .replace(/^(Key|Digit)/, '')
+    .replace(/^Arrow/, 'arrow ')
+    .toLowerCase();
 }

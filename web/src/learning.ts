@@ -41,9 +41,15 @@ export class LearningBadge {
     if (!status.learning) return;
     const { learned, waiting, left_out, failure, kept, current, shipped } = status;
     this.learned = learned;
-    this.summary.textContent = failure !== null ? '⚠ learning stopped' : learned === 0 ? '✦ learning' : `✦ learnt from ${flights(learned)}`;
+    this.summary.textContent =
+      failure !== null ? '⚠ learning stopped' : learned === 0 ? '✦ learning' : `✦ learnt from ${flights(learned)}`;
     this.summary.dataset['state'] = failure !== null ? 'failed' : 'well';
-    const now = current === shipped ? 'the shipped values' : current === kept ? 'learnt values, which are kept' : 'learnt values, not kept yet';
+    const now =
+      current === shipped
+        ? 'the shipped values'
+        : current === kept
+          ? 'learnt values, which are kept'
+          : 'learnt values, not kept yet';
     const lines = [
       `Assists now: ${now} (${current.slice(0, 8)}).`,
       ...(waiting > 0 ? [`${flights(waiting)} in the queue.`] : []),
@@ -53,10 +59,17 @@ export class LearningBadge {
     ];
     this.panel.replaceChildren(
       ...lines.map((line) => element('p', {}, line)),
-      element('div', { class: 'actions' },
+      element(
+        'div',
+        { class: 'actions' },
         button('Keep', { class: 'primary', disabled: current === kept }, () => void this.ask(keepLearned())),
-        button('Return to shipped', { class: 'secondary', disabled: current === shipped && kept === null },
-          () => void this.ask(returnToShipped()))));
+        button(
+          'Return to shipped',
+          { class: 'secondary', disabled: current === shipped && kept === null },
+          () => void this.ask(returnToShipped()),
+        ),
+      ),
+    );
   }
 }
 

@@ -41,7 +41,10 @@ export class Link {
   private flying: Pending | null = null;
   private wait = FIRST_WAIT_MS;
 
-  constructor(private readonly address: string, private readonly events: LinkEvents) {
+  constructor(
+    private readonly address: string,
+    private readonly events: LinkEvents,
+  ) {
     this.connect();
   }
 
@@ -154,7 +157,8 @@ export class Link {
     const first = this.queue[0];
     if (first === undefined || first.pieces === null || this.socket === null) return;
     const { flight } = first;
-    for (; first.pieces < flight.pieces.length; first.pieces += 1) this.send(protocol.chunk(flight.pieces[first.pieces]!));
+    for (; first.pieces < flight.pieces.length; first.pieces += 1)
+      this.send(protocol.chunk(flight.pieces[first.pieces]!));
     if (flight.end !== null && !first.end) {
       first.end = true;
       this.send(protocol.end(flight.end.ticks, flight.end.ending, flight.end.digests));

@@ -23,8 +23,13 @@ async function open(): Promise<void> {
   const status = element('span', { class: 'dot', role: 'status', 'data-state': 'off' }, 'connecting');
   const badge = new LearningBadge();
   const context: Context = {
-    core, hangar, link: linkOf(), session: { endings: [], last: null },
-    onModels: new Set(), onStored: new Set(), go: (place) => (location.hash = `#/${place}`),
+    core,
+    hangar,
+    link: linkOf(),
+    session: { endings: [], last: null },
+    onModels: new Set(),
+    onStored: new Set(),
+    go: (place) => (location.hash = `#/${place}`),
   };
   const models = async (learning: string | null) => {
     hangar.learning = learning;
@@ -59,11 +64,19 @@ async function open(): Promise<void> {
 function show(context: Context, status: HTMLElement, badge: LearningBadge): void {
   const tab = (place: string, name: string) => element('a', { href: `#/${place}`, 'data-tab': place }, name);
   const tabs = [tab('fly', 'Fly'), tab('episodes', 'Episodes')];
-  const header = element('header', {},
+  const header = element(
+    'header',
+    {},
     element('span', { class: 'brand' }, element('img', { src: '/favicon.svg', alt: '' }), 'cohelm'),
     element('nav', { 'aria-label': 'Views' }, ...tabs),
-    element('span', { class: 'status' }, badge.node, status,
-      element('a', { href: '/notices.txt', title: 'Licences of what is in this page' }, context.core.about().version)));
+    element(
+      'span',
+      { class: 'status' },
+      badge.node,
+      status,
+      element('a', { href: '/notices.txt', title: 'Licences of what is in this page' }, context.core.about().version),
+    ),
+  );
   let view: View | null = null;
   const turn = () => {
     const place = location.hash.replace(/^#\/?/, '') || 'fly';
@@ -88,19 +101,39 @@ function viewOf(context: Context, place: string): View {
   const episode = /^episodes\/(\d+)$/.exec(place)?.[1];
   if (episode !== undefined) {
     const id = Number(episode);
-    return new ReplayView(context, { title: `Episode ${id}`, bytes: () => episodeBytes(id), back: { label: 'Episodes', place: 'episodes' } });
+    return new ReplayView(context, {
+      title: `Episode ${id}`,
+      bytes: () => episodeBytes(id),
+      back: { label: 'Episodes', place: 'episodes' },
+    });
   }
   const { last } = context.session;
   if (place === 'again' && last !== null) {
-    return new ReplayView(context, { title: 'Your last flight', bytes: () => Promise.resolve(last), back: { label: 'Fly', place: 'fly' } });
+    return new ReplayView(context, {
+      title: 'Your last flight',
+      bytes: () => Promise.resolve(last),
+      back: { label: 'Fly', place: 'fly' },
+    });
   }
   return place === 'episodes' ? new EpisodesView(context) : new FlyView(context);
 }
 
 open().catch((error: unknown) => {
   const again = button('Try again', { class: 'primary' }, () => location.reload());
-  document.getElementById('app')!.replaceChildren(element('main', { class: 'page' }, element('article', { class: 'sheet' },
-    element('h2', {}, 'The page could not be opened'), element('p', {}, sentence(reasonOf(error))),
-    element('p', {}, 'It needs a browser of 2022 or later with WebAssembly, and the server that it came from.'),
-    element('div', { class: 'actions' }, again))));
+  document
+    .getElementById('app')!
+    .replaceChildren(
+      element(
+        'main',
+        { class: 'page' },
+        element(
+          'article',
+          { class: 'sheet' },
+          element('h2', {}, 'The page could not be opened'),
+          element('p', {}, sentence(reasonOf(error))),
+          element('p', {}, 'It needs a browser of 2022 or later with WebAssembly, and the server that it came from.'),
+          element('div', { class: 'actions' }, again),
+        ),
+      ),
+    );
 });

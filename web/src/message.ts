@@ -3,7 +3,12 @@
 import { button, element } from './dom';
 
 const text = element('span', {});
-const box = element('div', { class: 'message', role: 'alert', hidden: true }, text, button('✕', { 'aria-label': 'Close this message' }, hush));
+const box = element(
+  'div',
+  { class: 'message', role: 'alert', hidden: true },
+  text,
+  button('✕', { 'aria-label': 'Close this message' }, hush),
+);
 let timer = 0;
 
 /** Says something went wrong; it goes after a while, or when it is closed. */

@@ -37,9 +37,22 @@ export class Overlay {
       section('Intent', this.goals, this.confidence),
       section('Value', this.values, element('p', { class: 'note legend' }, '▸ asked · ● carried out · | threshold')),
       section('Arbitration', this.rule, element('p', {}, 'carries out ', this.executed, this.verdict)),
-      section('Last five seconds', this.strip, element('p', { class: 'note legend' },
-        element('i', { class: 'asked' }), 'as asked ', element('i', { class: 'corrected' }), 'corrected ',
-        element('i', { class: 'opposed' }), 'opposed ', element('i', { class: 'line' }), 'c')),
+      section(
+        'Last five seconds',
+        this.strip,
+        element(
+          'p',
+          { class: 'note legend' },
+          element('i', { class: 'asked' }),
+          'as asked ',
+          element('i', { class: 'corrected' }),
+          'corrected ',
+          element('i', { class: 'opposed' }),
+          'opposed ',
+          element('i', { class: 'line' }),
+          'c',
+        ),
+      ),
     );
   }
 
@@ -47,7 +60,8 @@ export class Overlay {
   begin(rule: Rule, ownGoal: number | null, goals: Goal[], labels: string[]): void {
     this.ownGoal = ownGoal;
     this.ruleWord = rule.rule;
-    const number = rule.kappa !== undefined ? ` κ = ${rule.kappa}.` : rule.alpha !== undefined ? ` α = ${rule.alpha}.` : '';
+    const number =
+      rule.kappa !== undefined ? ` κ = ${rule.kappa}.` : rule.alpha !== undefined ? ` α = ${rule.alpha}.` : '';
     this.rule.textContent = RULES[rule.rule] + number;
     this.show(null, new History(), 0);
     this.showGoals(null, goals);
@@ -78,20 +92,37 @@ export class Overlay {
       const own = goals[i]?.id === this.ownGoal;
       const share = tick?.belief.probabilities[i] ?? 0;
       const inferred = tick !== null && tick.belief.goal === i;
-      setRow(row, `goal ${i + 1}${own ? ' ★' : ''}`, inferred ? '●' : '', share, share.toFixed(2), inferred ? 'chosen' : '');
+      setRow(
+        row,
+        `goal ${i + 1}${own ? ' ★' : ''}`,
+        inferred ? '●' : '',
+        share,
+        share.toFixed(2),
+        inferred ? 'chosen' : '',
+      );
     });
   }
 
   private showValues(tick: Tick): void {
     const { candidates } = tick;
-    this.values.classList.toggle('wide', candidates.some(({ action }) => action.label.length > LONG_NAME));
+    this.values.classList.toggle(
+      'wide',
+      candidates.some(({ action }) => action.label.length > LONG_NAME),
+    );
     const most = Math.max(...candidates.map((candidate) => candidate.above_worst), 1e-9);
     const same = (a: { label: string } | null | undefined, b: { label: string }) => a?.label === b.label;
     rows(this.values, candidates.length).forEach((row, i) => {
       const { action, above_worst, allowed } = candidates[i]!;
       const [asked, executed] = [same(tick.asked, action), same(tick.executed, action)];
       const marks = [allowed ? 'allowed' : 'refused', asked ? 'asked' : '', executed ? 'chosen' : ''].join(' ');
-      setRow(row, action.label, `${asked ? '▸' : ''}${executed ? '●' : ''}`, above_worst / most, above_worst.toFixed(2), marks);
+      setRow(
+        row,
+        action.label,
+        `${asked ? '▸' : ''}${executed ? '●' : ''}`,
+        above_worst / most,
+        above_worst.toFixed(2),
+        marks,
+      );
     });
     const { threshold } = tick;
     setThreshold(this.values, threshold === null ? null : Math.min(threshold / most, 1));
@@ -101,8 +132,16 @@ export class Overlay {
 function rows(box: HTMLElement, count: number): HTMLElement[] {
   while (box.childElementCount > count) box.lastElementChild!.remove();
   while (box.childElementCount < count) {
-    box.append(element('div', { class: 'row' }, element('span', { class: 'name' }), element('span', { class: 'marks' }),
-      element('span', { class: 'track' }, element('span', { class: 'bar' })), element('span', { class: 'number' })));
+    box.append(
+      element(
+        'div',
+        { class: 'row' },
+        element('span', { class: 'name' }),
+        element('span', { class: 'marks' }),
+        element('span', { class: 'track' }, element('span', { class: 'bar' })),
+        element('span', { class: 'number' }),
+      ),
+    );
   }
   return [...box.children] as HTMLElement[];
 }

@@ -22,7 +22,11 @@ export function keepPending(flights: Pending[]): void {
   const finished = flights.filter((flight) => flight.end !== null).slice(-MOST);
   try {
     if (finished.length === 0) localStorage.removeItem(PLACE);
-    else localStorage.setItem(PLACE, JSON.stringify(finished, (_, value: unknown) => (value instanceof Uint8Array ? toHex(value) : value)));
+    else
+      localStorage.setItem(
+        PLACE,
+        JSON.stringify(finished, (_, value: unknown) => (value instanceof Uint8Array ? toHex(value) : value)),
+      );
   } catch {
     // A browser that keeps nothing still delivers what this page holds.
   }
@@ -31,7 +35,10 @@ export function keepPending(flights: Pending[]): void {
 /** What was kept; nothing if it cannot be read. */
 export function keptPending(): Pending[] {
   try {
-    type Kept = Omit<Pending, 'key' | 'pieces'> & { key: string; pieces: (Omit<Piece, 'events'> & { events: string })[] };
+    type Kept = Omit<Pending, 'key' | 'pieces'> & {
+      key: string;
+      pieces: (Omit<Piece, 'events'> & { events: string })[];
+    };
     const kept = JSON.parse(localStorage.getItem(PLACE) ?? '[]') as Kept[];
     return kept.map((flight) => ({
       ...flight,

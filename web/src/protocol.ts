@@ -65,13 +65,20 @@ export function read(bytes: Uint8Array): FromServer | null {
   const rest = bytes.subarray(2);
   const text = () => new TextDecoder().decode(rest);
   switch (view.getUint8(1)) {
-    case 129: return { kind: 'welcome', about: JSON.parse(text()) };
-    case 130: return { kind: 'begun', episode: view.getBigInt64(2, true), committed: view.getUint32(10, true) };
-    case 131: return { kind: 'ack', committed: view.getUint32(2, true) };
-    case 132: return { kind: 'refused', reason: text() };
-    case 133: return { kind: 'finished', episode: view.getBigInt64(2, true) };
-    case 134: return { kind: 'new-model', hash: toHex(rest) };
-    default: return null;
+    case 129:
+      return { kind: 'welcome', about: JSON.parse(text()) };
+    case 130:
+      return { kind: 'begun', episode: view.getBigInt64(2, true), committed: view.getUint32(10, true) };
+    case 131:
+      return { kind: 'ack', committed: view.getUint32(2, true) };
+    case 132:
+      return { kind: 'refused', reason: text() };
+    case 133:
+      return { kind: 'finished', episode: view.getBigInt64(2, true) };
+    case 134:
+      return { kind: 'new-model', hash: toHex(rest) };
+    default:
+      return null;
   }
 }
 

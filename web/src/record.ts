@@ -33,13 +33,25 @@ export function readRecord(bytes: Uint8Array): FlightRecord {
     throw new RecordError('This is no record of a flight.');
   }
   if (view.getUint8(4) !== FORMAT) {
-    throw new RecordError(`This record has format ${view.getUint8(4)}; this page reads format ${FORMAT}. Use the version of cohelm that wrote it.`);
+    throw new RecordError(
+      `This record has format ${view.getUint8(4)}; this page reads format ${FORMAT}. Use the version of cohelm that wrote it.`,
+    );
   }
   const body = 9 + view.getUint32(5, true);
   try {
-    const header = JSON.parse(new TextDecoder().decode(bytes.subarray(9, body))) as
-      { setup: Setup; ending: Ending; ticks: number; events: number };
-    const record: FlightRecord = { setup: header.setup, ending: header.ending, asked: [], executed: [], events: header.events };
+    const header = JSON.parse(new TextDecoder().decode(bytes.subarray(9, body))) as {
+      setup: Setup;
+      ending: Ending;
+      ticks: number;
+      events: number;
+    };
+    const record: FlightRecord = {
+      setup: header.setup,
+      ending: header.ending,
+      asked: [],
+      executed: [],
+      events: header.events,
+    };
     let at = body;
     for (let tick = 0; tick < header.ticks; tick += 1) {
       for (const list of [record.asked, record.executed]) {

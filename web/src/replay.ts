@@ -52,10 +52,11 @@ export async function readRecording(
       busySince = performance.now();
     }
   }
-  const posesAt = (tick: number): Pose[] => Array.from({ length: parts }, (_, i) => {
-    const at = (tick * parts + i) * POSE;
-    return { x: poses[at]!, y: poses[at + 1]!, angle_rad: poses[at + 2]!, strength: poses[at + 3]! };
-  });
+  const posesAt = (tick: number): Pose[] =>
+    Array.from({ length: parts }, (_, i) => {
+      const at = (tick * parts + i) * POSE;
+      return { x: poses[at]!, y: poses[at + 1]!, angle_rad: poses[at + 2]!, strength: poses[at + 3]! };
+    });
   return { opening, length, differing, history, posesAt, tickAt: (tick) => (tick === 0 ? null : core.seek(tick)) };
 }
 
@@ -116,7 +117,14 @@ export class ReplayRun {
     if (this.playing) this.advance(now);
     const { recording, tick } = this;
     const newer = Math.min(tick + 1, recording.length);
-    this.stage.draw(recording.posesAt(tick), recording.posesAt(newer), this.position - tick, now, this.playing || this.over, tick + 1);
+    this.stage.draw(
+      recording.posesAt(tick),
+      recording.posesAt(newer),
+      this.position - tick,
+      now,
+      this.playing || this.over,
+      tick + 1,
+    );
   }
 
   private advance(now: number): void {

@@ -10,7 +10,14 @@ import { sheetOf } from './sheet';
 import { Stage } from './stage';
 import { ENDING_WORDS, reasonOf, RULE_NAMES, sentence } from './words';
 
-const SPEEDS: [string, string][] = [['0.1', '0.1×'], ['0.25', '¼×'], ['0.5', '½×'], ['1', '1×'], ['2', '2×'], ['4', '4×']];
+const SPEEDS: [string, string][] = [
+  ['0.1', '0.1×'],
+  ['0.25', '¼×'],
+  ['0.5', '½×'],
+  ['1', '1×'],
+  ['2', '2×'],
+  ['4', '4×'],
+];
 /** Ticks that a step with the Shift key goes. */
 const LONG_STEP = 25;
 
@@ -26,7 +33,13 @@ export class ReplayView implements View {
   readonly footer = element('footer', { class: 'player' });
   private readonly overlay = new Overlay();
   private readonly title = element('div', { class: 'title' });
-  private readonly slider = element('input', { type: 'range', min: '0', step: '1', value: '0', 'aria-label': 'Moment of the flight, in ticks' });
+  private readonly slider = element('input', {
+    type: 'range',
+    min: '0',
+    step: '1',
+    value: '0',
+    'aria-label': 'Moment of the flight, in ticks',
+  });
   private readonly strip = element('canvas', { class: 'strip', 'aria-hidden': 'true' });
   private readonly time = element('output', { class: 'time' });
   private readonly play = button('', { class: 'secondary play' }, () => this.toggle());
@@ -37,7 +50,10 @@ export class ReplayView implements View {
   private readonly onResize = () => this.drawStrip();
   private drawStrip: () => void = () => {};
 
-  constructor(private readonly context: Context, private readonly source: Source) {
+  constructor(
+    private readonly context: Context,
+    private readonly source: Source,
+  ) {
     window.addEventListener('keydown', this.onKey);
     window.addEventListener('resize', this.onResize);
     void this.open();
@@ -59,7 +75,15 @@ export class ReplayView implements View {
     try {
       bytes = await this.source.bytes();
     } catch (error) {
-      if (!this.disposed) this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), element('p', {}, sentence(reasonOf(error)))));
+      if (!this.disposed)
+        this.showSheet(
+          element(
+            'article',
+            { class: 'sheet' },
+            element('h2', {}, 'There is no record to watch'),
+            element('p', {}, sentence(reasonOf(error))),
+          ),
+        );
       return;
     }
     if (this.disposed) return;
@@ -77,7 +101,9 @@ export class ReplayView implements View {
   /** Gets the models that the record names. One that is gone is told by the loop. */
   private async equip(bytes: Uint8Array): Promise<void> {
     const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(5, true);
-    const header = JSON.parse(new TextDecoder().decode(bytes.subarray(9, 9 + length))) as { setup: { values: string | null; intent: string | null } };
+    const header = JSON.parse(new TextDecoder().decode(bytes.subarray(9, 9 + length))) as {
+      setup: { values: string | null; intent: string | null };
+    };
     for (const hash of [header.setup.values, header.setup.intent]) {
       try {
         await this.context.hangar.equip(this.context.core, [hash]);
@@ -112,8 +138,14 @@ export class ReplayView implements View {
     const speed = select('speed', SPEEDS, '1', (chosen) => {
       if (this.run !== null) this.run.speed = Number(chosen);
     });
-    this.footer.replaceChildren(this.back(), this.play,
-      element('div', { class: 'scrubber' }, this.strip, this.slider), this.time, speed, ...this.download());
+    this.footer.replaceChildren(
+      this.back(),
+      this.play,
+      element('div', { class: 'scrubber' }, this.strip, this.slider),
+      this.time,
+      speed,
+      ...this.download(),
+    );
     this.run = new ReplayRun(recording, new Stage(back, canvas), (tick, position) => {
       this.slider.value = String(position);
       this.time.textContent = `${(position / opening.ticks_per_second).toFixed(2)} s`;
@@ -129,14 +161,21 @@ export class ReplayView implements View {
   private showTitle({ opening, differing }: Recording, ending: Ending, exact: ReplayReport): void {
     const { setup } = opening;
     const { sign, word } = ENDING_WORDS[ending];
-    const parts = [exact.plant_identical ? '' : 'physics', exact.decisions_identical === false ? 'decisions' : '', exact.requests_identical === false ? 'requests' : ''];
-    const mark = exact.identical && differing === 0 ? '✓ flown again, bit for bit the same'
-      : `✕ differs from its record: ${parts.filter((part) => part !== '').join(', ') || 'what was carried out'}`;
+    const parts = [
+      exact.plant_identical ? '' : 'physics',
+      exact.decisions_identical === false ? 'decisions' : '',
+      exact.requests_identical === false ? 'requests' : '',
+    ];
+    const mark =
+      exact.identical && differing === 0
+        ? '✓ flown again, bit for bit the same'
+        : `✕ differs from its record: ${parts.filter((part) => part !== '').join(', ') || 'what was carried out'}`;
     this.title.replaceChildren(
       element('b', {}, this.source.title),
       element('span', { class: 'outcome', 'data-outcome': ending }, `${sign} ${word}`),
       element('span', {}, `${RULE_NAMES[setup.rule.rule]} · ${setup.task.plant} · ${setup.pilot} · seed ${setup.seed}`),
-      element('span', { class: 'exact', 'data-identical': String(exact.identical && differing === 0) }, mark));
+      element('span', { class: 'exact', 'data-identical': String(exact.identical && differing === 0) }, mark),
+    );
   }
 
   private back(): HTMLButtonElement {

@@ -27,11 +27,26 @@ export interface ModeEntry {
 
 export const MODES: ModeEntry[] = [
   { mode: 'hic', label: 'Alone', title: 'HIC: you fly without help', rule: { rule: 'hic' }, needs: 'nothing' },
-  { mode: 'lasc', label: 'Linear', title: 'LASC: the co-pilot flies when it is sure of your goal', rule: { rule: 'lasc' }, needs: 'values' },
-  { mode: 'misc', label: 'Minimal', title: 'MISC: the co-pilot changes only what is bad for your goal', rule: { rule: 'misc' }, needs: 'values' },
   {
-    mode: 'misc-r', label: 'Minimal-R', title: 'MISC-R: the co-pilot changes only what would cost too much',
-    rule: { rule: 'misc-r', kappa: 0.7 }, needs: 'model',
+    mode: 'lasc',
+    label: 'Linear',
+    title: 'LASC: the co-pilot flies when it is sure of your goal',
+    rule: { rule: 'lasc' },
+    needs: 'values',
+  },
+  {
+    mode: 'misc',
+    label: 'Minimal',
+    title: 'MISC: the co-pilot changes only what is bad for your goal',
+    rule: { rule: 'misc' },
+    needs: 'values',
+  },
+  {
+    mode: 'misc-r',
+    label: 'Minimal-R',
+    title: 'MISC-R: the co-pilot changes only what would cost too much',
+    rule: { rule: 'misc-r', kappa: 0.7 },
+    needs: 'model',
   },
   { mode: 'demo', label: 'Robot', title: 'Watch the robot fly to the goal', rule: { rule: 'robot' }, needs: 'values' },
 ];
@@ -43,12 +58,23 @@ export const INFERENCES: [Inference, string][] = [
   ['nearest', 'nearest goal'],
 ];
 
-export const TIME_SCALES: [string, string][] = [['1', '1×'], ['0.75', '¾×'], ['0.5', '½×'], ['0.25', '¼×']];
+export const TIME_SCALES: [string, string][] = [
+  ['1', '1×'],
+  ['0.75', '¾×'],
+  ['0.5', '½×'],
+  ['0.25', '¼×'],
+];
 
 const PLACE = 'cohelm.settings.1';
 
 const USUAL: Settings = {
-  plant: '', actions: '', mode: 'misc-r', inference: 'calibrated', values: '', timeScale: 1, overlay: false,
+  plant: '',
+  actions: '',
+  mode: 'misc-r',
+  inference: 'calibrated',
+  values: '',
+  timeScale: 1,
+  overlay: false,
 };
 
 /** What was kept, as far as it makes sense. */

@@ -19,7 +19,10 @@ export function trace(pen: CanvasRenderingContext2D, shape: Shape): void {
 function pointsOf(shape: Shape): Point[] {
   if (shape.kind !== 'disc') return shape.points;
   const [[x, y], r] = [shape.center, shape.radius];
-  return [[x - r, y - r], [x + r, y + r]];
+  return [
+    [x - r, y - r],
+    [x + r, y + r],
+  ];
 }
 
 /** The smallest box around shapes, in their frame. */
@@ -76,7 +79,9 @@ export class Terrain {
 
   constructor(scene: Scene) {
     const outlines = scene.fixed.filter((part) => part.role === 'ground').flatMap((part) => part.shapes.map(pointsOf));
-    this.edges = outlines.flatMap((points) => points.map((a, i): [Point, Point] => [a, points[(i + 1) % points.length]!]));
+    this.edges = outlines.flatMap((points) =>
+      points.map((a, i): [Point, Point] => [a, points[(i + 1) % points.length]!]),
+    );
   }
 
   heightAt(x: number): number {

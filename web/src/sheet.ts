@@ -6,10 +6,19 @@ import { ENDING_WORDS, RULE_NAMES } from './words';
 
 /** The sheet, or why there is none. `why` says why it is not flown again. */
 export function sheetOf(bytes: Uint8Array, why: string): HTMLElement {
-  const paper = element('article', { class: 'sheet' }, element('h2', {}, 'This record is not flown again here'), element('p', {}, why));
+  const paper = element(
+    'article',
+    { class: 'sheet' },
+    element('h2', {}, 'This record is not flown again here'),
+    element('p', {}, why),
+  );
   try {
     const record = readRecord(bytes);
-    paper.append(element('p', {}, 'What was asked and what was carried out is in it all the same:'), facts(record), lanes(record));
+    paper.append(
+      element('p', {}, 'What was asked and what was carried out is in it all the same:'),
+      facts(record),
+      lanes(record),
+    );
   } catch (error) {
     paper.append(element('p', {}, error instanceof Error ? error.message : String(error)));
   }
@@ -24,7 +33,10 @@ function facts({ setup, ending, asked, executed, events }: FlightRecord): HTMLEl
     ['rule', RULE_NAMES[setup.rule.rule] ?? setup.rule.rule],
     ['pilot', setup.pilot],
     ['outcome', ENDING_WORDS[ending]?.word ?? ending],
-    ['ticks', `${asked.length}, of them ${asked.filter((action) => action !== null).length} with a request; ${same} carried out as asked`],
+    [
+      'ticks',
+      `${asked.length}, of them ${asked.filter((action) => action !== null).length} with a request; ${same} carried out as asked`,
+    ],
     ['key events', String(events)],
     ['values', setup.values ?? 'none'],
     ['intent', setup.intent ?? 'none'],
@@ -34,9 +46,22 @@ function facts({ setup, ending, asked, executed, events }: FlightRecord): HTMLEl
 
 /** Two lanes of commands over time, a row each command, asked above carried out. */
 function lanes({ asked, executed }: FlightRecord): HTMLElement {
-  const canvas = element('canvas', { class: 'lanes', role: 'img', 'aria-label': 'Asked and carried out, tick by tick' });
+  const canvas = element('canvas', {
+    class: 'lanes',
+    role: 'img',
+    'aria-label': 'Asked and carried out, tick by tick',
+  });
   requestAnimationFrame(() => paintLanes(canvas, [asked, executed]));
-  return element('figure', {}, canvas, element('figcaption', { class: 'note' }, 'Above: asked. Below: carried out. A row is a command, from left to right go the ticks.'));
+  return element(
+    'figure',
+    {},
+    canvas,
+    element(
+      'figcaption',
+      { class: 'note' },
+      'Above: asked. Below: carried out. A row is a command, from left to right go the ticks.',
+    ),
+  );
 }
 
 function paintLanes(canvas: HTMLCanvasElement, lists: Recorded[][]): void {
@@ -55,7 +80,12 @@ function paintLanes(canvas: HTMLCanvasElement, lists: Recorded[][]): void {
       if (action === null) return;
       const row = typeof action === 'number' ? action : 0;
       const tall = (lane - 8) / count;
-      pen.fillRect((tick / list.length) * width, i * lane + 4 + row * tall, width / list.length + 0.4, Math.max(tall - 1, 1));
+      pen.fillRect(
+        (tick / list.length) * width,
+        i * lane + 4 + row * tall,
+        width / list.length + 0.4,
+        Math.max(tall - 1, 1),
+      );
     });
   });
 }

@@ -45,17 +45,27 @@ export class Stage {
   private tilt_rad = 0;
 
   /** `back` lies below `front`. */
-  constructor(private readonly backCanvas: HTMLCanvasElement, readonly canvas: HTMLCanvasElement) {
+  constructor(
+    private readonly backCanvas: HTMLCanvasElement,
+    readonly canvas: HTMLCanvasElement,
+  ) {
     this.back = penOf(backCanvas);
     this.front = penOf(canvas);
   }
 
   /** From now on this scene, whose world has so many ticks a second; `seed` decorates. */
   show(scene: Scene, ownGoal: number | null, seed: number, ticksPerSecond: number): void {
-    const body = Math.max(scene.movable.findIndex((part) => part.role === 'body'), 0);
+    const body = Math.max(
+      scene.movable.findIndex((part) => part.role === 'body'),
+      0,
+    );
     const own = scene.fixed.find((part) => part.role === 'goal' && part.goal === ownGoal);
     this.shown = {
-      scene, ownGoal, seed, ticksPerSecond, body,
+      scene,
+      ownGoal,
+      seed,
+      ticksPerSecond,
+      body,
       exhaust: new Exhaust(scene, this.calm),
       terrain: new Terrain(scene),
       size: sizeOf(scene.movable[body]),
@@ -215,7 +225,13 @@ export class Stage {
       front.strokeStyle = `rgba(${colour}, ${0.8 * (1 - grown) ** 2})`;
       front.lineWidth = (1 + 7 * (1 - grown) ** 2) * view.line;
       front.beginPath();
-      front.arc(view.x(at[0]), view.y(at[1]), (this.shown?.size ?? 1) * view.scale * (0.5 + 3.4 * Math.sqrt(grown)), 0, 2 * Math.PI);
+      front.arc(
+        view.x(at[0]),
+        view.y(at[1]),
+        (this.shown?.size ?? 1) * view.scale * (0.5 + 3.4 * Math.sqrt(grown)),
+        0,
+        2 * Math.PI,
+      );
       front.stroke();
     }
   }
@@ -236,8 +252,12 @@ function sizeOf(part: Part | undefined): number {
 /** A part where its pose puts it, as if it had been made there. */
 function moved(part: Part, pose: Pose): Part {
   const [cos, sin] = [Math.cos(pose.angle_rad), Math.sin(pose.angle_rad)];
-  const place = ([x, y]: [number, number]): [number, number] => [pose.x + cos * x - sin * y, pose.y + sin * x + cos * y];
+  const place = ([x, y]: [number, number]): [number, number] => [
+    pose.x + cos * x - sin * y,
+    pose.y + sin * x + cos * y,
+  ];
   const shapes = part.shapes.map((shape) =>
-    shape.kind === 'disc' ? { ...shape, center: place(shape.center) } : { ...shape, points: shape.points.map(place) });
+    shape.kind === 'disc' ? { ...shape, center: place(shape.center) } : { ...shape, points: shape.points.map(place) },
+  );
   return { ...part, shapes };
 }

@@ -24,7 +24,12 @@ export class View {
     const left = (width - (east - west) * scale) / 2 - west * scale;
     // The ground stays at the bottom; room that is left over is sky.
     const bottom = height + south * scale;
-    const changed = width !== this.width || height !== this.height || kept !== this.ratio || scale !== this.scale || left !== this.left;
+    const changed =
+      width !== this.width ||
+      height !== this.height ||
+      kept !== this.ratio ||
+      scale !== this.scale ||
+      left !== this.left;
     Object.assign(this, { scale, width, height, ratio: kept, left, bottom });
     return changed;
   }

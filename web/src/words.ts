@@ -34,7 +34,12 @@ export const ENDING_WORDS: Record<Ending, { sign: string; word: string }> = {
 
 /** Short names of the rules. */
 export const RULE_NAMES: Record<Rule['rule'], string> = {
-  hic: 'HIC', robot: 'robot', lasc: 'LASC', misc: 'MISC', tolerance: 'tolerance', 'misc-r': 'MISC-R',
+  hic: 'HIC',
+  robot: 'robot',
+  lasc: 'LASC',
+  misc: 'MISC',
+  tolerance: 'tolerance',
+  'misc-r': 'MISC-R',
 };
 
 /** What a rule does, in one sentence. */

@@ -12,7 +12,9 @@ const CONTROLS: Control[] = [
 function keyboard() {
   const window = Object.assign(new EventTarget(), { document: new EventTarget() });
   const said: string[] = [];
-  const listener = new KeyListener(CONTROLS, (kind, control) => said.push(kind === 'release-all' ? kind : `${kind} ${control}`));
+  const listener = new KeyListener(CONTROLS, (kind, control) =>
+    said.push(kind === 'release-all' ? kind : `${kind} ${control}`),
+  );
   listener.attach(window as unknown as Window);
   const strike = (type: string, code: string, more: object = {}) => {
     const event = Object.assign(new Event(type, { cancelable: true }), { code, repeat: false, ...more });
@@ -20,7 +22,9 @@ function keyboard() {
     return event;
   };
   return {
-    said, listener, window,
+    said,
+    listener,
+    window,
     down: (code: string, more?: object) => strike('keydown', code, more),
     up: (code: string) => strike('keyup', code),
   };
@@ -92,8 +96,10 @@ function pad(axes: number[], pressed: number[] = []): PadState {
 }
 
 const AXES: Control[] = [
-  { name: 'y −', keys: ['ArrowDown'] }, { name: 'y +', keys: ['ArrowUp'] },
-  { name: 'x −', keys: ['ArrowLeft'] }, { name: 'x +', keys: ['ArrowRight'] },
+  { name: 'y −', keys: ['ArrowDown'] },
+  { name: 'y +', keys: ['ArrowUp'] },
+  { name: 'x −', keys: ['ArrowLeft'] },
+  { name: 'x +', keys: ['ArrowRight'] },
 ];
 
 describe('a gamepad', () => {
@@ -111,7 +117,13 @@ describe('a gamepad', () => {
   it('tells a move once, and everything released at a pause', () => {
     const said: unknown[] = [];
     let now = pad([0, 0]);
-    const listener = new PadListener(AXES, true, (kind) => said.push(kind), (stick) => said.push(stick), () => [null, now]);
+    const listener = new PadListener(
+      AXES,
+      true,
+      (kind) => said.push(kind),
+      (stick) => said.push(stick),
+      () => [null, now],
+    );
     listener.poll(0);
     now = pad([0, -1]);
     listener.poll(20);
@@ -124,7 +136,13 @@ describe('a gamepad', () => {
   it('presses controls where there are no axes', () => {
     const said: string[] = [];
     let now = pad([0, 0], [0]);
-    const listener = new PadListener(CONTROLS, false, (kind, control) => said.push(`${kind} ${control}`), () => {}, () => [now]);
+    const listener = new PadListener(
+      CONTROLS,
+      false,
+      (kind, control) => said.push(`${kind} ${control}`),
+      () => {},
+      () => [now],
+    );
     listener.poll(0);
     listener.poll(20);
     now = pad([-0.9, 0]);

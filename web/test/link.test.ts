@@ -5,8 +5,15 @@ import type { Setup } from '../src/core';
 import { Link, type LinkEvents } from '../src/link';
 
 const SETUP: Setup = {
-  task: { plant: 'point', options: {} }, plant_version: 1, seed: 5, rule: { rule: 'hic' }, inference: 'nearest',
-  time_scale: 1, values: null, intent: null, pilot: 'person',
+  task: { plant: 'point', options: {} },
+  plant_version: 1,
+  seed: 5,
+  rule: { rule: 'hic' },
+  inference: 'nearest',
+  time_scale: 1,
+  values: null,
+  intent: null,
+  pilot: 'person',
 };
 const DIGESTS = { plant: '00000000000000aa', decisions: '00000000000000bb' };
 
@@ -59,7 +66,11 @@ class Socket extends EventTarget {
   get told(): string[] {
     return this.sent.map((bytes) => {
       const view = new DataView(bytes.buffer);
-      return { 1: 'begin', 2: `${view.getUint32(2, true)}-${view.getUint32(6, true)}`, 3: `end ${view.getUint32(2, true)}` }[bytes[1]!]!;
+      return {
+        1: 'begin',
+        2: `${view.getUint32(2, true)}-${view.getUint32(6, true)}`,
+        3: `end ${view.getUint32(2, true)}`,
+      }[bytes[1]!]!;
     });
   }
 

@@ -11,8 +11,16 @@ import { readRecording } from '../src/replay';
 const WASM = readFileSync(new URL('../dist/cohelm_page.wasm', import.meta.url));
 
 const SETUP: Setup = {
-  task: { plant: 'point', options: {} }, plant_version: 1, seed: 5, rule: { rule: 'misc' }, inference: 'nearest',
-  silence: 'best', time_scale: 1, values: null, intent: null, pilot: 'person',
+  task: { plant: 'point', options: {} },
+  plant_version: 1,
+  seed: 5,
+  rule: { rule: 'misc' },
+  inference: 'nearest',
+  silence: 'best',
+  time_scale: 1,
+  values: null,
+  intent: null,
+  pilot: 'person',
 };
 
 let core: Core;
@@ -42,7 +50,12 @@ describe('the loop', () => {
   it('that stops says so, and a fresh one takes its place', async () => {
     const other = await core.another();
     const inside = other as unknown as { wasm: Record<string, unknown> };
-    inside.wasm = { ...inside.wasm, cohelm_about: () => { throw new WebAssembly.RuntimeError('unreachable'); } };
+    inside.wasm = {
+      ...inside.wasm,
+      cohelm_about: () => {
+        throw new WebAssembly.RuntimeError('unreachable');
+      },
+    };
     expect(() => other.about()).toThrow(CoreStopped);
     await other.revive();
     expect(other.about().plants.length).toBeGreaterThan(0);
@@ -70,7 +83,9 @@ describe('a record', () => {
     const { record } = fly(20);
     const read = readRecord(record);
     expect(read).toMatchObject({ ending: 'abandoned', events: 2, setup: { seed: 5, rule: { rule: 'misc' } } });
-    expect(read.asked.map((action) => action !== null)).toEqual(Array.from({ length: 20 }, (_, tick) => tick >= 5 && tick < 15));
+    expect(read.asked.map((action) => action !== null)).toEqual(
+      Array.from({ length: 20 }, (_, tick) => tick >= 5 && tick < 15),
+    );
     expect(read.asked[5]).toEqual([0, 1, 0, 0]);
   });
 
@@ -85,7 +100,12 @@ describe('a record', () => {
 
   it('is wound to any tick, with the ending at its end', async () => {
     const { record } = fly(600);
-    const recording = (await readRecording(core, record, () => true, () => {}))!;
+    const recording = (await readRecording(
+      core,
+      record,
+      () => true,
+      () => {},
+    ))!;
     const { ending } = readRecord(record);
     expect(recording.tickAt(recording.length)?.ending).toBe(ending);
     expect(recording.differing).toBe(0);
@@ -103,7 +123,14 @@ describe('a record', () => {
     const text = new TextDecoder('latin1').decode(record).replace('"plant_version":1', '"plant_version":7');
     const older = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
     expect(readRecord(older).setup.plant_version).toBe(7);
-    await expect(readRecording(core, older, () => true, () => {})).rejects.toThrow(/version 7/);
+    await expect(
+      readRecording(
+        core,
+        older,
+        () => true,
+        () => {},
+      ),
+    ).rejects.toThrow(/version 7/);
   });
 
   it('is not read on when nobody wants it any more', async () => {
@@ -115,16 +142,34 @@ describe('a record', () => {
       while (performance.now() < until);
       return core.seek(tick);
     };
-    expect(await readRecording(slow, record, () => ++asked < 2, () => {})).toBeNull();
+    expect(
+      await readRecording(
+        slow,
+        record,
+        () => ++asked < 2,
+        () => {},
+      ),
+    ).toBeNull();
     expect(asked).toBe(2);
   });
 });
 
 describe('the hangar', () => {
-  const entry = (hash: string, kind: ModelEntry['kind'], more: Partial<ModelEntry['card']> & { offered?: boolean } = {}): ModelEntry => {
+  const entry = (
+    hash: string,
+    kind: ModelEntry['kind'],
+    more: Partial<ModelEntry['card']> & { offered?: boolean } = {},
+  ): ModelEntry => {
     const { offered = true, ...card } = more;
     const task = card.task ?? { plant: 'flag-lander', options: {} };
-    return { hash, kind, name: hash, plant: task.plant, offered, card: { name: hash, variant: null, task, plant_version: 1, ...card } };
+    return {
+      hash,
+      kind,
+      name: hash,
+      plant: task.plant,
+      offered,
+      card: { name: hash, variant: null, task, plant_version: 1, ...card },
+    };
   };
   let hangar: Hangar;
   beforeAll(async () => {
@@ -154,7 +199,8 @@ describe('the hangar', () => {
       entry('e', 'values', { plant_version: 2 }),
       entry('f', 'values', { task: { plant: 'point', options: {} } }),
     ];
-    const fitting = (actions: string) => hangar.fitting('values', { plant: 'flag-lander', options: { actions } }).map(({ hash }) => hash);
+    const fitting = (actions: string) =>
+      hangar.fitting('values', { plant: 'flag-lander', options: { actions } }).map(({ hash }) => hash);
     expect(fitting('switches')).toEqual(['c', 'a']);
     expect(fitting('main-side')).toEqual(['b']);
     expect(fitting('gymnasium')).toEqual([]);
@@ -162,7 +208,11 @@ describe('the hangar', () => {
 
   it('prefers what learns, then the newest usual one; what was learned before is not offered', () => {
     const task = { plant: 'flag-lander', options: { actions: 'switches' } };
-    hangar.models = [entry('usual', 'values'), entry('paper', 'values', { variant: 'paper' }), entry('learnt', 'values', { offered: false })];
+    hangar.models = [
+      entry('usual', 'values'),
+      entry('paper', 'values', { variant: 'paper' }),
+      entry('learnt', 'values', { offered: false }),
+    ];
     expect(hangar.fitting('values', task).map(({ hash }) => hash)).toEqual(['usual', 'paper']);
     hangar.learning = 'learnt';
     expect(hangar.fitting('values', task).map(({ hash }) => hash)).toEqual(['learnt', 'usual', 'paper']);

@@ -8,12 +8,22 @@ import * as protocol from '../src/protocol';
 const DOCUMENT = readFileSync(new URL('../../docs/records.md', import.meta.url), 'utf8');
 
 /** Bytes of the examples by the message's name. */
-const EXAMPLES = new Map([...DOCUMENT.matchAll(/^(\w+), \w+ to \w+, (\d+) bytes:\n\n```text\n([\s\S]*?)\n```$/gm)].map(([, name, length, dump]) => {
-  const hex = dump!.split('\n').map((line) => line.slice(0, 47)).join(' ').match(/\b[0-9a-f]{2}\b/g) ?? [];
-  const bytes = Uint8Array.from(hex, (pair) => Number.parseInt(pair, 16));
-  if (bytes.length !== Number(length)) throw new Error(`the example ${name} has ${bytes.length} bytes, not ${length}`);
-  return [name!, bytes];
-}));
+const EXAMPLES = new Map(
+  [...DOCUMENT.matchAll(/^(\w+), \w+ to \w+, (\d+) bytes:\n\n```text\n([\s\S]*?)\n```$/gm)].map(
+    ([, name, length, dump]) => {
+      const hex =
+        dump!
+          .split('\n')
+          .map((line) => line.slice(0, 47))
+          .join(' ')
+          .match(/\b[0-9a-f]{2}\b/g) ?? [];
+      const bytes = Uint8Array.from(hex, (pair) => Number.parseInt(pair, 16));
+      if (bytes.length !== Number(length))
+        throw new Error(`the example ${name} has ${bytes.length} bytes, not ${length}`);
+      return [name!, bytes];
+    },
+  ),
+);
 
 function example(name: string): Uint8Array {
   const bytes = EXAMPLES.get(name);
@@ -21,7 +31,8 @@ function example(name: string): Uint8Array {
   return bytes;
 }
 
-const hex = (bytes: Uint8Array, at: number) => new DataView(bytes.buffer, bytes.byteOffset).getBigUint64(at, true).toString(16).padStart(16, '0');
+const hex = (bytes: Uint8Array, at: number) =>
+  new DataView(bytes.buffer, bytes.byteOffset).getBigUint64(at, true).toString(16).padStart(16, '0');
 
 describe('what the page says', () => {
   it('is Begin, byte by byte up to the setup, which may be written otherwise', () => {
@@ -35,7 +46,12 @@ describe('what the page says', () => {
 
   it('is Chunk, byte by byte', () => {
     const bytes = example('Chunk');
-    const piece = { from: 0, to: 30, events: bytes.slice(26), digests: { plant: hex(bytes, 10), decisions: hex(bytes, 18) } };
+    const piece = {
+      from: 0,
+      to: 30,
+      events: bytes.slice(26),
+      digests: { plant: hex(bytes, 10), decisions: hex(bytes, 18) },
+    };
     expect(protocol.chunk(piece)).toEqual(bytes);
   });
 
@@ -53,7 +69,10 @@ describe('what the server says', () => {
     ['Ack', { kind: 'ack', committed: 30 }],
     ['Refused', { kind: 'refused', reason: 'the page flies another version' }],
     ['Finished', { kind: 'finished', episode: 7n }],
-    ['NewModel', { kind: 'new-model', hash: Array.from({ length: 32 }, (_, i) => i.toString(16).padStart(2, '0')).join('') }],
+    [
+      'NewModel',
+      { kind: 'new-model', hash: Array.from({ length: 32 }, (_, i) => i.toString(16).padStart(2, '0')).join('') },
+    ],
   ])('is %s', (name, message) => {
     expect(protocol.read(example(name))).toEqual(message);
   });

@@ -23,15 +23,46 @@ describe('a pose between two', () => {
 
 describe('a flame', () => {
   it('points from its mouth to its tip', () => {
-    const flame: Part = { role: 'thrust', shapes: [{ kind: 'polygon', points: [[-1, -1], [1, -1], [0, -4]] }] };
+    const flame: Part = {
+      role: 'thrust',
+      shapes: [
+        {
+          kind: 'polygon',
+          points: [
+            [-1, -1],
+            [1, -1],
+            [0, -4],
+          ],
+        },
+      ],
+    };
     expect(nozzleOf(flame)).toEqual({ mouth: [0, -1], tip: [0, -4], length: 3, half: 1 });
   });
 });
 
 describe('the ground', () => {
   const scene: Scene = {
-    bounds: [0, 0, 10, 10], movable: [], origin: [0, 0], scale: [1, 1],
-    fixed: [{ role: 'ground', shapes: [{ kind: 'polygon', points: [[0, 1], [5, 3], [10, 3], [10, -1], [0, -1]] }] }],
+    bounds: [0, 0, 10, 10],
+    movable: [],
+    origin: [0, 0],
+    scale: [1, 1],
+    fixed: [
+      {
+        role: 'ground',
+        shapes: [
+          {
+            kind: 'polygon',
+            points: [
+              [0, 1],
+              [5, 3],
+              [10, 3],
+              [10, -1],
+              [0, -1],
+            ],
+          },
+        ],
+      },
+    ],
   };
 
   it('has a height at each place', () => {

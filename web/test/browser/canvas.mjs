@@ -11,23 +11,27 @@ export async function count(page, canvas, colour) {
 
 /** How many there are, and into how many groups of columns they fall, gaps of a tenth of the width apart. */
 export function columns(page, canvas, colour) {
-  return page.evaluate(([name, { r, g, b, a }]) => {
-    const node = document.querySelector(`canvas.${name}`);
-    const { width, height } = node;
-    const { data } = node.getContext('2d').getImageData(0, 0, width, height);
-    const within = (value, [least, most]) => value >= least && value <= most;
-    const found = new Array(width).fill(0);
-    for (let i = 0; i < data.length; i += 4) {
-      if (within(data[i], r) && within(data[i + 1], g) && within(data[i + 2], b) && data[i + 3] >= a) found[(i / 4) % width] += 1;
-    }
-    let [groups, last] = [0, -Infinity];
-    found.forEach((pixels, x) => {
-      if (pixels < 2) return;
-      if (x - last > width / 10) groups += 1;
-      last = x;
-    });
-    return { count: found.reduce((sum, pixels) => sum + pixels, 0), groups };
-  }, [canvas, colour]);
+  return page.evaluate(
+    ([name, { r, g, b, a }]) => {
+      const node = document.querySelector(`canvas.${name}`);
+      const { width, height } = node;
+      const { data } = node.getContext('2d').getImageData(0, 0, width, height);
+      const within = (value, [least, most]) => value >= least && value <= most;
+      const found = new Array(width).fill(0);
+      for (let i = 0; i < data.length; i += 4) {
+        if (within(data[i], r) && within(data[i + 1], g) && within(data[i + 2], b) && data[i + 3] >= a)
+          found[(i / 4) % width] += 1;
+      }
+      let [groups, last] = [0, -Infinity];
+      found.forEach((pixels, x) => {
+        if (pixels < 2) return;
+        if (x - last > width / 10) groups += 1;
+        last = x;
+      });
+      return { count: found.reduce((sum, pixels) => sum + pixels, 0), groups };
+    },
+    [canvas, colour],
+  );
 }
 
 /** The middle of the craft's paint: opaque and bluish white, which nothing else that moves is. */

@@ -12,7 +12,12 @@ export function readEvents(record) {
   const events = [];
   while (at < record.length) {
     const kind = KINDS[view.getUint8(at + 8)];
-    events.push({ tick: view.getUint32(at, true), atMs: view.getFloat32(at + 4, true), kind, control: view.getUint8(at + 9) });
+    events.push({
+      tick: view.getUint32(at, true),
+      atMs: view.getFloat32(at + 4, true),
+      kind,
+      control: view.getUint8(at + 9),
+    });
     at += kind === 'stick' ? 18 : 10;
   }
   return events;

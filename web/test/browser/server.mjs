@@ -54,7 +54,7 @@ export class Server {
   /** All episodes, the newest first. */
   async episodes() {
     const all = [];
-    for (let before = ''; ; ) {
+    for (let before = ''; ;) {
       const { episodes, next } = await (await fetch(`${this.url}/api/episodes?limit=1000${before}`)).json();
       all.push(...episodes);
       if (next === null) return all;
@@ -77,7 +77,9 @@ export class Server {
         if (address !== null) resolve(address[0]);
       });
       child.on('error', reject);
-      child.on('exit', (code) => reject(new Error(`${this.program} ended with ${code} before it said its address: ${said}`)));
+      child.on('exit', (code) =>
+        reject(new Error(`${this.program} ended with ${code} before it said its address: ${said}`)),
+      );
       setTimeout(() => reject(new Error(`${this.program} did not say its address`)), PATIENCE_MS).unref();
     });
   }
