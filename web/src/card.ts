@@ -37,7 +37,7 @@ export class Card {
         element('div', { class: 'actions' }, ...buttons),
       );
       this.node.hidden = false;
-      this.voice.textContent = [title, ...content.map((part) => part.textContent ?? '')].join('. ');
+      this.voice.textContent = [`${title}.`, ...content.map(spoken)].join(' ');
     };
     if (afterMs === 0) fill();
     else this.timer = window.setTimeout(fill, afterMs);
@@ -61,4 +61,11 @@ export class Card {
     clearTimeout(this.timer);
     this.node.hidden = true;
   }
+}
+
+/** What a part of a card says: the labels in it, if there are any, otherwise its text. */
+function spoken(part: Node): string {
+  const labelled = part instanceof Element ? [...part.querySelectorAll('[aria-label]')] : [];
+  const labels = labelled.map((node) => node.getAttribute('aria-label'));
+  return labels.length > 0 ? `${labels.join(', ')}.` : (part.textContent ?? '');
 }

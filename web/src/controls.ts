@@ -24,7 +24,7 @@ export class Controls {
     );
     // A click leaves the focus on a button, where the next Space or Enter would press it again; keys leave it there.
     this.node.addEventListener('click', (event) => {
-      if (event.detail > 0 && event.target instanceof HTMLButtonElement) event.target.blur();
+      if (event.detail > 0 && document.activeElement instanceof HTMLButtonElement) document.activeElement.blur();
     });
     this.panel.addEventListener('keydown', (event) => {
       if (event.key !== 'Escape') return;
@@ -62,9 +62,10 @@ export class Controls {
       : 'There is no trained co-pilot for these actions.';
   }
 
-  /** Builds it anew after a change of what can be chosen. */
+  /** Builds it anew after a change of what can be chosen; what had the focus has it again. */
   build(): void {
     const { settings } = this;
+    const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset['name'] : undefined;
     const { label } = this.actionSet;
     this.opener.textContent = `${this.plant} · ${label} ▴`;
     const open = this.panel.hidden === false;
@@ -77,13 +78,18 @@ export class Controls {
       this.overlayButton(),
     );
     this.open(open);
+    if (focused !== undefined) this.node.querySelector<HTMLElement>(`[data-name="${focused}"]`)?.focus();
   }
 
   private overlayButton(): HTMLButtonElement {
-    const made = button('Overlay ', { class: 'secondary', 'aria-pressed': String(this.settings.overlay) }, () => {
-      this.toggleOverlay();
-      made.setAttribute('aria-pressed', String(this.settings.overlay));
-    });
+    const made = button(
+      'Overlay ',
+      { class: 'secondary', 'data-name': 'overlay', 'aria-pressed': String(this.settings.overlay) },
+      () => {
+        this.toggleOverlay();
+        made.setAttribute('aria-pressed', String(this.settings.overlay));
+      },
+    );
     made.append(element('kbd', {}, 'O'));
     return made;
   }
@@ -96,6 +102,7 @@ export class Controls {
       const attributes = {
         title: why === null ? entry.title : `${entry.title}. ${why}`,
         'data-mode': entry.mode,
+        'data-name': entry.mode,
         'aria-pressed': pressed,
       };
       box.append(

@@ -34,16 +34,17 @@ export function select(
   choose: (value: string) => void,
 ): HTMLLabelElement {
   const options = choices.map(([value, text]) => element('option', { value, selected: value === chosen }, text));
-  const box = element('select', { disabled: choices.length < 2 }, ...options);
+  const box = element('select', { disabled: choices.length < 2, 'data-name': label }, ...options);
   box.addEventListener('change', () => choose(box.value));
   return element('label', {}, label, box);
 }
 
-/** Whether what has the focus uses this key itself: lists and sliders all keys, buttons and links those that press them. */
+/** Whether what has the focus uses this key itself: fields all keys, lists all but Enter, buttons and links what presses them. */
 export function isTheirs(event: KeyboardEvent): boolean {
   const at = event.target as Element | null;
   const within = (selector: string) => at?.closest?.(selector) != null;
-  return within('select, input, textarea') || (within('button, a, summary') && ['Space', 'Enter'].includes(event.code));
+  if (within('input, textarea') || (within('select') && event.code !== 'Enter')) return true;
+  return within('button, a, summary') && ['Space', 'Enter'].includes(event.code);
 }
 
 /** Whether the person asked their system for less motion. */
