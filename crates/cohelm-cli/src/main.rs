@@ -11,7 +11,7 @@ use std::process::ExitCode;
 
 /// Shared control of a person and a co-pilot: fly it, train it, reproduce the paper, replay every tick.
 #[derive(Parser)]
-#[command(version, max_term_width = 110, arg_required_else_help = true)]
+#[command(name = "cohelm", version, max_term_width = 110, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -50,8 +50,19 @@ fn main() -> ExitCode {
     match outcome {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("cohelm: {error:#}");
+            eprintln!("cohelm: {}", reasons(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// What went wrong, from the outside in, in one line. A cause that the line tells already is not told again.
+fn reasons(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for reason in error.chain().map(ToString::to_string) {
+        if !line.contains(&reason) {
+            line = if line.is_empty() { reason } else { format!("{line}: {reason}") };
+        }
+    }
+    line
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use serde::Serialize;
-use std::io::IsTerminal;
+use std::io::{ErrorKind, IsTerminal, Write};
 
 /// Whether a command prints for people or for programs.
 #[derive(Args, Clone, Copy, Debug)]
@@ -16,15 +16,28 @@ impl Format {
     /// Prints a result as JSON, or the text that `text` makes of it.
     pub fn print<Data: Serialize>(self, data: &Data, text: impl FnOnce(&Data) -> String) {
         if self.json {
-            println!("{}", serde_json::to_string_pretty(data).expect("results have a JSON form"));
+            say(&serde_json::to_string_pretty(data).expect("results have a JSON form"));
         } else {
-            println!("{}", text(data).trim_end());
+            say(text(data).trim_end());
         }
     }
 
     /// Whether progress bars are wanted: a person looks on.
     pub fn shows_progress(self) -> bool {
         !self.json && std::io::stderr().is_terminal()
+    }
+}
+
+/// Prints lines on standard output. A reader that has gone away, as `head` does, has what it wanted; any other failure
+/// ends the program.
+pub fn say(lines: &str) {
+    let mut output = std::io::stdout().lock();
+    match writeln!(output, "{lines}").and_then(|()| output.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("cohelm: cannot print: {error}");
+            std::process::exit(1)
+        }
+        _ => {}
     }
 }
 

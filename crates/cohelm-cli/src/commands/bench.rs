@@ -122,7 +122,10 @@ fn median(rates: &mut [f64]) -> f64 {
 
 impl Nets {
     fn run(self) -> Result<ExitCode> {
-        let measured = measure(self.runs.max(1));
+        if self.runs == 0 {
+            bail!("at least one run is needed");
+        }
+        let measured = measure(self.runs);
         let timing = |timing: &cohelm_nn::bench::Timing| {
             json!({
                 "name": timing.name, "median_us": timing.median_us, "best_us": timing.best_us,

@@ -2,7 +2,7 @@
 
 use crate::output::{Format, table};
 use crate::rig;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use cohelm_copilot::Kind;
 use cohelm_learn::{Job, evaluate};
@@ -39,6 +39,9 @@ pub struct Evaluate {
 impl Evaluate {
     /// Runs the command.
     pub fn run(self) -> Result<ExitCode> {
+        if self.episodes == 0 {
+            bail!("at least one episode is needed");
+        }
         let (plants, task) = (rig::plants(), rig::task(&self.task, &self.options)?);
         let plant = plants.make(&task)?;
         let models = rig::models(self.model.as_slice())?;

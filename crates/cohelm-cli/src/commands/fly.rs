@@ -1,5 +1,6 @@
 //! `cohelm fly`: the page, the co-pilot and the database, from one program.
 
+use crate::output::say;
 use crate::{live, rig};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -53,8 +54,8 @@ impl Fly {
             assets: Assets::embedded(),
         };
         let server = Server::start(parts).await?;
-        println!("cohelm flies at http://{}", listener.local_addr()?);
-        println!("flights are stored in {}; Ctrl-C ends", self.database.display());
+        let (address, database) = (listener.local_addr()?, self.database.display());
+        say(&format!("cohelm flies at http://{address}\nflights are stored in {database}; Ctrl-C ends"));
         serve(listener, server, stop_signal()).await?;
         store.close().await;
         Ok(())
