@@ -191,6 +191,7 @@ export class FlyView implements View {
   private ended(summary: FlightSummary): void {
     const { link, session } = this.context;
     link.end(summary.ending);
+    this.showHud();
     if (this.disposed || summary.ticks === 0) return;
     session.last = summary.record;
     const content = [element('p', {}, ENDING_HINTS[summary.ending]), numbersOf(summary)];
