@@ -44,14 +44,14 @@ pub struct IntentOptions {
 impl Default for IntentOptions {
     fn default() -> Self {
         Self {
-            pilots: 30,
+            pilots: 100,
             first_episodes: 300,
             rounds: 3,
-            round_episodes: 720,
+            round_episodes: 1500,
             silent: 0.0,
             mirror: true,
             cells: 64,
-            epochs: 10,
+            epochs: 15,
             batch: 32,
             longest: 100,
             learning_rate: 2e-3,
