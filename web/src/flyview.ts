@@ -159,9 +159,7 @@ export class FlyView implements View {
       context: { core, hangar },
       controls: { task, mode },
     } = this;
-    const fitting = hangar.fitting('values', task);
-    const values = (fitting.find((model) => model.hash === settings.values) ?? fitting[0])?.hash ?? null;
-    const model = hangar.fitting('intent', task)[0]?.hash ?? null;
+    const { values, intent: model } = hangar.crew(task, settings.values);
     const inference: Inference = mode.mode === 'demo' ? 'known' : model === null ? 'nearest' : settings.inference;
     const intent = inference === 'known' || inference === 'nearest' ? null : model;
     try {

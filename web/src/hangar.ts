@@ -94,6 +94,15 @@ export class Hangar {
       .sort((a, b) => rank(b) - rank(a));
   }
 
+  /** The models to fly a task with: the wanted values if they fit, and the intent that was trained for them, or the usual one. */
+  crew(task: Task, wanted: string): { values: string | null; intent: string | null } {
+    const fitting = this.fitting('values', task);
+    const values = fitting.find((model) => model.hash === wanted) ?? fitting[0];
+    const intents = this.fitting('intent', task);
+    const intent = intents.find(({ card }) => card.variant === (values?.card.variant ?? null)) ?? intents[0];
+    return { values: values?.hash ?? null, intent: intent?.hash ?? null };
+  }
+
   /** Gives a loop the models of a setup that it does not have yet. */
   async equip(core: Core, hashes: (string | null)[]): Promise<void> {
     for (const hash of hashes) {

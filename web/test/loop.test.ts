@@ -206,6 +206,23 @@ describe('the hangar', () => {
     expect(fitting('gymnasium')).toEqual([]);
   });
 
+  it('pairs the wanted values with the intent of their variant, if there is one', () => {
+    hangar.learning = null;
+    hangar.models = [
+      entry('values', 'values'),
+      entry('second', 'values', { variant: 'second' }),
+      entry('paper', 'values', { variant: 'paper' }),
+      entry('intent', 'intent'),
+      entry('second intent', 'intent', { variant: 'second' }),
+    ];
+    const crew = (wanted: string) => Object.values(hangar.crew({ plant: 'flag-lander', options: {} }, wanted));
+    expect(crew('')).toEqual(['values', 'intent']);
+    expect(crew('second')).toEqual(['second', 'second intent']);
+    expect(crew('paper')).toEqual(['paper', 'intent']);
+    expect(crew('of another plant')).toEqual(['values', 'intent']);
+    expect(Object.values(hangar.crew({ plant: 'point', options: {} }, ''))).toEqual([null, null]);
+  });
+
   it('prefers what learns, then the newest usual one; what was learned before is not offered', () => {
     const task = { plant: 'flag-lander', options: { actions: 'switches' } };
     hangar.models = [
