@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`values`] | [`train_values`]: what commands are worth, by double DQN (Algorithm 1 and what it needed) |
 //! | [`options`] | every option of it with its reason; presets `default` and `paper` |
-//! | [`evaluate`] | how well values fly when the goal is known |
+//! | [`mod@evaluate`] | how well values fly when the goal is known |
 //!
 //! Plants come by name from a registry and simulated pilots from a factory: this crate names none. It does no input or
 //! output but the checkpoints it is asked for, and prints nothing: progress goes to a callback.
