@@ -1,0 +1,6 @@
+// The researcher's page.
+
+import '../style.css';
+import { element } from '../dom';
+
+document.getElementById('app')!.replaceChildren(element('main', { class: 'page' }, 'The desk opens.'));
