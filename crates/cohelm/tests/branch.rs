@@ -131,8 +131,11 @@ fn after_the_last_recorded_request_nobody_asks() {
     assert_eq!(branch.ending(), Some(Ending::Goal));
 }
 
+/// Ticks, and what was asked at each.
+type Shown = Vec<(u32, Option<Action>)>;
+
 /// Remembers what it was shown.
-struct Witness(Arc<Mutex<Vec<(u32, Option<Action>)>>>);
+struct Witness(Arc<Mutex<Shown>>);
 
 impl IntentModel for Witness {
     fn begin(&mut self) {
