@@ -19,6 +19,7 @@
 //! | [`learn`] | values that learn while people fly |
 //! | [`page`] | the built page, inside the program |
 //! | [`hosts`] | who may talk to the server |
+//! | `visit` | a participant without a browser, for dry runs and for measuring (feature `visit`) |
 //!
 //! It knows no plant and trains nothing; no request reaches the file system, and none makes it panic.
 #![forbid(unsafe_code)]
@@ -39,6 +40,8 @@ pub mod store;
 #[cfg(test)]
 mod testing;
 pub mod verify;
+#[cfg(feature = "visit")]
+pub mod visit;
 
 pub use app::app;
 pub use serve::{bind, serve};
