@@ -79,7 +79,7 @@ export function paintHeading(pen: Pen, view: View, { at, velocity, size }: Motio
 }
 
 /** Where the craft is while it cannot be seen, and how far beyond the edge. */
-export function paintOutOfSight(pen: Pen, view: View, { at, size }: Motion): void {
+export function paintOutOfSight(pen: Pen, view: View, { at, size }: Motion, away: string): void {
   const [x, y] = [view.x(at[0]), view.y(at[1])];
   const beyond = 0.5 * size * view.scale;
   if (x > -beyond && x < view.width + beyond && y > -beyond && y < view.height + beyond) return;
@@ -106,7 +106,7 @@ export function paintOutOfSight(pen: Pen, view: View, { at, size }: Motion): voi
   pen.font = '600 13px system-ui, sans-serif';
   pen.textAlign = py > view.height / 2 ? 'center' : px > view.width / 2 ? 'right' : 'left';
   pen.textBaseline = 'middle';
-  pen.fillText(`${(Math.hypot(x - px, y - py) / view.scale).toFixed(1)} away`, px > view.width / 2 ? -22 : 22, 12);
+  pen.fillText(`${(Math.hypot(x - px, y - py) / view.scale).toFixed(1)} ${away}`, px > view.width / 2 ? -22 : 22, 12);
   pen.restore();
 }
 

@@ -44,10 +44,11 @@ export class Stage {
   private motion: cues.Motion | null = null;
   private tilt_rad = 0;
 
-  /** `back` lies below `front`. */
+  /** `back` lies below `front`; `away` is what is said behind the distance of a craft that is out of sight. */
   constructor(
     private readonly backCanvas: HTMLCanvasElement,
     readonly canvas: HTMLCanvasElement,
+    private readonly away = 'away',
   ) {
     this.back = penOf(backCanvas);
     this.front = penOf(canvas);
@@ -209,7 +210,7 @@ export class Stage {
   private paintAbove(nowMs: number): void {
     const { front, view, motion, ending } = this;
     if (motion !== null && ending === null) cues.paintHeading(front, view, motion);
-    if (motion !== null) cues.paintOutOfSight(front, view, motion);
+    if (motion !== null) cues.paintOutOfSight(front, view, motion, this.away);
     if (ending !== null) this.paintEnding(ending, nowMs);
   }
 

@@ -1,0 +1,86 @@
+// What the flights of a page share: the loop in WebAssembly, the models it was given, and the way to the server.
+
+import { Core, type Setup } from '../../src/core';
+import { Link } from '../../src/link';
+import { Keeper } from './keeper';
+
+/** How a flight reached the server, or that it never will. */
+export type Delivery = { episode: number } | { refused: string };
+
+/** Where things are, if not at the root of the page's own address. */
+export interface DeckOptions {
+  /** Address of the server, without a slash at its end; the page's own if left out. */
+  server?: string;
+  /** Address of `cohelm_page.wasm`. */
+  wasm?: string;
+  /** Where finished flights outlive a reload in this browser; null if the experiment flies them again from a `Keeper`. */
+  place?: string | null;
+  /** Where the flight in the air is kept. */
+  keeper?: Keeper;
+  /** The connection came or went. */
+  connected?: (connected: boolean) => void;
+  /** Another tab of the same participant took over. */
+  takenOver?: () => void;
+}
+
+/** Opened once a page. */
+export class Deck {
+  readonly link: Link;
+  readonly keeper: Keeper;
+  private readonly deliveries = new Map<string, Delivery>();
+  private readonly waiting = new Map<string, (delivery: Delivery) => void>();
+
+  private constructor(
+    readonly core: Core,
+    private readonly options: DeckOptions,
+  ) {
+    this.keeper = options.keeper ?? new Keeper();
+    const address = new URL(`${options.server ?? location.origin}/ws`);
+    address.protocol = address.protocol === 'https:' ? 'wss:' : 'ws:';
+    this.link = new Link(
+      address.href,
+      {
+        state: (connected) => options.connected?.(connected),
+        trouble: (text) => console.warn(text),
+        welcome: () => {},
+        newModel: () => {},
+        stored: (episode, key) => this.deliver(key, { episode }),
+        refused: (reason, key) => this.deliver(key, { refused: reason }),
+        takenOver: () => options.takenOver?.(),
+      },
+      ...(options.place === undefined ? [] : [options.place]),
+    );
+  }
+
+  /** Loads the loop and connects. */
+  static async open(options: DeckOptions = {}): Promise<Deck> {
+    const wasm = options.wasm ?? `${options.server ?? ''}/cohelm_page.wasm`;
+    return new Deck(await Core.load(fetch(wasm)), options);
+  }
+
+  /** Gives the loop the models of a setup. */
+  async equip(setup: Setup): Promise<void> {
+    for (const hash of [setup.values, setup.intent]) {
+      if (hash === null || this.core.hasModel(hash)) continue;
+      const response = await fetch(`${this.options.server ?? ''}/api/models/${hash}`);
+      if (!response.ok) throw new Error(`the model ${hash.slice(0, 8)} could not be had: ${response.status}`);
+      this.core.addModel(new Uint8Array(await response.arrayBuffer()));
+    }
+  }
+
+  /** When the server has the flight with this key, or refused it. */
+  delivered(key: string): Promise<Delivery> {
+    const known = this.deliveries.get(key);
+    return known !== undefined
+      ? Promise.resolve(known)
+      : new Promise((resolve) => {
+          this.waiting.set(key, resolve);
+        });
+  }
+
+  private deliver(key: string, delivery: Delivery): void {
+    this.deliveries.set(key, delivery);
+    this.waiting.get(key)?.(delivery);
+    this.waiting.delete(key);
+  }
+}
