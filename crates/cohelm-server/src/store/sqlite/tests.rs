@@ -1,6 +1,7 @@
 //! What is SQLite's own: files that are not ours, damaged, newer, locked, in the wrong place.
 
 use super::*;
+use crate::store::{Page, Write};
 use crate::testing::{Disk, record};
 use std::fs;
 
@@ -12,6 +13,10 @@ async fn written() -> (tempfile::TempDir, PathBuf) {
     store.close().await;
     let path = folder.path().join("flights.db");
     (folder, path)
+}
+
+fn name(path: &Path) -> String {
+    path.display().to_string()
 }
 
 async fn opened(path: &Path) -> StoreError {
@@ -30,7 +35,7 @@ async fn a_folder_that_is_missing_is_made_but_a_database_is_not_where_one_should
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a/b/flights.db");
     let missing = SqliteStore::open_existing(&path).await.expect_err("nothing is there");
-    assert_eq!(missing, StoreError::Missing { path: path.clone() });
+    assert_eq!(missing, StoreError::Missing { database: name(&path) });
     assert!(!path.exists());
     assert!(SqliteStore::open(&path).await.is_ok());
 }
@@ -52,7 +57,7 @@ async fn a_foreign_file_is_refused_and_left_as_it_is() {
     let path = folder.path().join("letter.txt");
     fs::write(&path, "Dear reader, this is a letter and no database.".repeat(20)).unwrap();
     let before = fs::read(&path).unwrap();
-    assert_eq!(opened(&path).await, StoreError::Foreign { path: path.clone() });
+    assert_eq!(opened(&path).await, StoreError::Foreign { database: name(&path) });
     assert_eq!(fs::read(&path).unwrap(), before);
 }
 
@@ -65,7 +70,7 @@ async fn the_database_of_another_program_is_refused_and_left_as_it_is() {
     sqlx::query("CREATE TABLE episodes (id INTEGER)").execute(&pool).await.unwrap();
     pool.close().await;
     let before = fs::read(&path).unwrap();
-    assert_eq!(opened(&path).await, StoreError::Foreign { path: path.clone() });
+    assert_eq!(opened(&path).await, StoreError::Foreign { database: name(&path) });
     assert_eq!(fs::read(&path).unwrap(), before);
 }
 
@@ -103,12 +108,12 @@ async fn a_newer_schema_is_refused_with_both_numbers() {
         "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time) \
          VALUES (4711, 'of the future', 1, x'00', 0)",
     )
-    .execute(&store.pool)
+    .execute(&store.driver.pool)
     .await
     .unwrap();
     store.close().await;
     let known = migrations().last().unwrap().version;
-    assert_eq!(opened(&path).await, StoreError::Newer { path: path.clone(), found: 4711, known });
+    assert_eq!(opened(&path).await, StoreError::Newer { database: name(&path), found: 4711, known });
 }
 
 #[tokio::test]
@@ -126,10 +131,10 @@ async fn a_database_that_somebody_else_writes_to_is_locked() {
 #[tokio::test]
 async fn every_commit_waits_for_the_disk() {
     let disk = Disk::new().await;
-    let pragma = |name: &'static str| sqlx::query_scalar::<_, i64>(name).fetch_one(&disk.store.pool);
+    let pragma = |name: &'static str| sqlx::query_scalar::<_, i64>(name).fetch_one(&disk.store.driver.pool);
     assert_eq!(pragma("PRAGMA synchronous").await.unwrap(), 2, "2 is FULL");
     let journal: String =
-        sqlx::query_scalar("PRAGMA journal_mode").fetch_one(&disk.store.pool).await.unwrap();
+        sqlx::query_scalar("PRAGMA journal_mode").fetch_one(&disk.store.driver.pool).await.unwrap();
     assert_eq!(journal, "wal");
 }
 
@@ -140,7 +145,7 @@ async fn a_full_disk_is_said_so_and_takes_nothing_back() {
     // Every connection of the pool may grow the file no further.
     let mut connections = Vec::new();
     for _ in 0..4 {
-        let mut connection = store.pool.acquire().await.unwrap();
+        let mut connection = store.driver.pool.acquire().await.unwrap();
         sqlx::query("PRAGMA max_page_count = 1").execute(&mut *connection).await.unwrap();
         connections.push(connection);
     }
