@@ -109,13 +109,13 @@ export class CohelmFlightPlugin implements JsPsychPlugin<typeof info> {
 }
 
 function resultOf(flown: Flown, machine: Machine): FlightResult & Record<string, unknown> {
-  const { key, ending, ticks, events, measured, delivery } = flown;
+  const { key, ending, ticks, log, measured, delivery } = flown;
   return {
     flight_key: key,
     episode: 'episode' in delivery ? delivery.episode : null,
     refused: 'refused' in delivery ? delivery.refused : null,
     ending,
     ticks,
-    telemetry: telemetry(ticks, events, measured, machine),
+    telemetry: telemetry(ticks, log, measured, machine),
   };
 }

@@ -10,7 +10,7 @@ import { keyCap, keyName } from '../../src/keys';
 import { Meter, type Measured } from '../../src/meter';
 import { fromHex } from '../../src/pending';
 import { toHex } from '../../src/protocol';
-import { keyEvents } from '../../src/record';
+import { keyEvents, type LoggedKey } from '../../src/record';
 import { Stage } from '../../src/stage';
 import { reasonOf, sentence } from '../../src/words';
 import type { Deck, Delivery } from './deck';
@@ -60,8 +60,7 @@ export interface Flown {
   key: string;
   ending: Ending;
   ticks: number;
-  /** Changes of keys and stick in its log. */
-  events: number;
+  log: LoggedKey[];
   measured: Measured;
   delivery: Delivery;
 }
@@ -346,8 +345,8 @@ export class FlightShow {
     if ('refused' in delivery && !this.over) await this.showRefused(delivery.refused);
     if (this.over) return;
     this.letGo();
-    const events = keyEvents(run.log().events).length;
-    this.finish({ key, ending: summary.ending, ticks: summary.ticks, events, measured: run.measured(), delivery });
+    const log = keyEvents(run.log().events);
+    this.finish({ key, ending: summary.ending, ticks: summary.ticks, log, measured: run.measured(), delivery });
   }
 
   private showEnding(summary: FlightSummary, watched: number): Promise<void> {
