@@ -5,6 +5,7 @@ mod commands;
 mod live;
 mod output;
 mod rig;
+mod server_process;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -1,5 +1,7 @@
 //! `cohelm bench`: speed on this machine, with what it is compared with beside it.
 
+mod serve;
+
 use crate::output::{Format, table};
 use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
@@ -18,6 +20,8 @@ pub enum Bench {
     Lander(Lander),
     /// A training step of each network beside the machine's floor, and a decision of the control loop.
     Nets(Nets),
+    /// How long a server lets people wait while hundreds of them fly at once, and what each costs it.
+    Serve(serve::Serve),
 }
 
 /// Options of `bench lander`.
@@ -52,6 +56,7 @@ impl Bench {
         match self {
             Self::Lander(lander) => lander.run(),
             Self::Nets(nets) => nets.run(),
+            Self::Serve(serve) => serve.run(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use crate::{live, rig};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use cohelm_server::hosts::Hosts;
 use cohelm_server::page::Assets;
@@ -65,7 +65,12 @@ impl Fly {
 /// Opens the database of flights, or makes it.
 pub async fn open(database: &Path) -> Result<Arc<SqliteStore>> {
     let store = SqliteStore::open(database).await;
-    Ok(Arc::new(store.with_context(|| format!("the database {}", database.display()))?))
+    Ok(Arc::new(store?))
+}
+
+/// Opens a database of flights that must be there.
+pub async fn open_existing(database: &Path) -> Result<Arc<SqliteStore>> {
+    Ok(Arc::new(SqliteStore::open_existing(database).await?))
 }
 
 /// Done when somebody asks the program to end.
