@@ -5,9 +5,12 @@
 
 pub mod apa;
 pub mod csv;
+pub mod design;
 pub mod figures;
 pub mod measures;
+pub mod questionnaires;
 pub mod report;
+pub mod session;
 pub mod statistics;
 pub mod text;
 pub mod verdict;
