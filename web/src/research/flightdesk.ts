@@ -1,0 +1,401 @@
+// A recorded flight at the desk: watched with a scrubber, and flown again from any tick as it was not.
+
+import type { Core, Hands, ReplayReport, Setup, Wish } from '../core';
+import { CoreError } from '../core';
+import { button, element } from '../dom';
+import type { Hangar } from '../hangar';
+import { drawStrip } from '../history';
+import { Overlay } from '../overlay';
+import { Player } from '../player';
+import { readRecord } from '../record';
+import { readRecording, ReplayRun, type Recording, type Screen } from '../replay';
+import { boxOf } from '../shapes';
+import { sheetOf } from '../sheet';
+import { Stage } from '../stage';
+import { ENDING_WORDS, reasonOf, sentence } from '../words';
+import { apart, flyBranch, MEANINGFUL_S, type Branch } from './branching';
+import * as api from './deskapi';
+import type { Desk, DeskView } from './place';
+import { stepWords } from './says';
+import { handsWords, ruleWords, WhatIfBar } from './whatif';
+
+/** Ticks shown before a branch, so that one sees how it came to it. */
+const RUN_UP_TICKS = 40;
+/** A parting of the ways that one can see: so much of the craft's size. */
+const SEEN_APART = 0.5;
+
+interface Opened {
+  core: Core;
+  second: Core;
+  hangar: Hangar;
+  bytes: Uint8Array;
+  recording: Recording;
+  exact: ReplayReport;
+}
+
+export class FlightDeskView implements DeskView {
+  readonly main = element('main', { class: 'instrument replaying' });
+  private readonly stages = element('div', { class: 'stages' });
+  private readonly overlay = new Overlay();
+  private readonly beside = element('div', { class: 'beside' });
+  private readonly strips = element('div', { class: 'scrubber' });
+  private readonly verdict = element('p', { class: 'verdict-line', role: 'status', hidden: true });
+  private readonly controls = element('footer', { class: 'player' });
+  private readonly player = new Player(() => this.desk.go(this.back));
+  private readonly own = new Panel('recorded');
+  private readonly other = new Panel('what if');
+  private readonly onResize = () => this.drawStrips();
+  private opened: Opened | null = null;
+  private branch: Branch | null = null;
+  private bar: WhatIfBar | null = null;
+  private run: ReplayRun | null = null;
+  private overlayOf: 'recorded' | 'what if' = 'recorded';
+  private wishes = 0;
+  private gone = false;
+  private back = 'episodes';
+  private file: string | null = null;
+
+  constructor(
+    private readonly desk: Desk,
+    private readonly id: number,
+  ) {
+    window.addEventListener('resize', this.onResize);
+    this.main.append(element('p', { class: 'reading', role: 'status' }, 'Reading the record…'));
+    void this.open().catch((error: unknown) => {
+      const words = element('p', {}, sentence(reasonOf(error)));
+      this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), words));
+    });
+  }
+
+  dispose(): void {
+    this.gone = true;
+    this.run?.dispose();
+    this.player.dispose();
+    window.removeEventListener('resize', this.onResize);
+    if (this.file !== null) URL.revokeObjectURL(this.file);
+  }
+
+  private async open(): Promise<void> {
+    const bytes = await api.episodeBytes(this.id);
+    this.file = URL.createObjectURL(new Blob([bytes as Uint8Array<ArrayBuffer>]));
+    const loop = await this.desk.loop();
+    const { setup } = readRecord(bytes);
+    // A model that is gone is told by the loop, and the sheet shows what needs none.
+    await loop.hangar.equip(loop.core, [setup.values, setup.intent]).catch(() => {});
+    try {
+      const recording = await readRecording(
+        loop.core,
+        bytes,
+        () => !this.gone,
+        () => {},
+      );
+      if (recording === null || this.gone) return;
+      this.opened = { ...loop, bytes, recording, exact: loop.core.replay(bytes) };
+      this.show(this.opened);
+    } catch (error) {
+      if (!(error instanceof CoreError)) await loop.core.revive();
+      if (!this.gone) this.showSheet(sheetOf(bytes, sentence(reasonOf(error))));
+    }
+  }
+
+  private showSheet(sheet: HTMLElement): void {
+    this.main.className = 'page';
+    this.main.replaceChildren(element('a', { href: '#/episodes' }, '← Flights'), sheet, ...this.download());
+  }
+
+  private download(): HTMLElement[] {
+    if (this.file === null) return [];
+    return [element('a', { href: this.file, download: `episode-${this.id}.cohelm`, class: 'secondary' }, 'Save')];
+  }
+
+  private show({ recording, exact }: Opened): void {
+    const { player } = this;
+    this.stages.replaceChildren(this.own.node);
+    this.beside.replaceChildren(this.overlay.node);
+    this.strips.replaceChildren(this.own.strip, player.slider);
+    this.controls.replaceChildren(
+      player.play,
+      this.strips,
+      player.time,
+      player.speed,
+      button('What if, from here…', { class: 'primary' }, () => void this.openWhatIf()),
+      ...this.download(),
+    );
+    this.main.replaceChildren(this.stages, this.beside, this.verdict, this.controls);
+    this.showTitle(recording, exact);
+    this.own.begin(recording);
+    this.start([{ recording, stage: this.own.stage }], 0, true);
+    void this.nameEpisode();
+  }
+
+  private showTitle({ opening, differing, length, tickAt }: Recording, exact: ReplayReport): void {
+    const { setup, ticks_per_second } = opening;
+    const { sign, word } = ENDING_WORDS[tickAt(length)?.ending ?? 'abandoned'];
+    const same = exact.identical && differing === 0;
+    const mark = same ? '✓ flown again, bit for bit' : '✕ differs from its record';
+    this.own.say(
+      element('span', {}, `${sign} ${word} after ${(length / ticks_per_second).toFixed(2)} s`),
+      element('span', {}, `${ruleWords(setup.rule)} · ${setup.inference} · seed ${setup.seed}`),
+      element('span', { class: 'exact', 'data-identical': String(same) }, mark),
+    );
+  }
+
+  /** Whose flight it is; the list knows, the record does not. */
+  private async nameEpisode(): Promise<void> {
+    const { episodes } = await api.episodes({ before: this.id + 1, limit: 1 });
+    const row = episodes.find(({ id }) => id === this.id);
+    if (row === undefined || this.gone) return;
+    const code = this.desk.feed.row(row.participant)?.code ?? '';
+    this.back = `people/${row.participant}`;
+    this.own.name(`${code} · ${row.step === null ? `episode ${this.id}` : stepWords(row.step)}`, `#/${this.back}`);
+  }
+
+  private start(screens: [Screen, ...Screen[]], at: number, play: boolean): void {
+    this.run?.dispose();
+    this.run = new ReplayRun(screens, (position) => this.moved(position));
+    this.player.take(this.run, screens[0].recording.opening.ticks_per_second);
+    this.beginOverlay();
+    this.run.seek(at);
+    if (play) this.run.play();
+    this.player.show(at);
+    this.drawStrips();
+  }
+
+  private moved(position: number): void {
+    this.player.show(position);
+    const shown = this.overlayOf === 'what if' && this.branch !== null ? this.branch : this.opened!.recording;
+    const tick = Math.min(position, shown.length);
+    this.overlay.show(shown.tickAt(tick), shown.history, tick);
+    if (this.branch !== null) this.other.moment(momentWords(this.branch, position));
+  }
+
+  private async openWhatIf(): Promise<void> {
+    const { opened } = this;
+    if (opened === null || this.run === null) return;
+    this.run.pause();
+    if (this.bar === null) {
+      const { setup } = opened.recording.opening;
+      const usual = opened.hangar.crew(setup.task, '');
+      const models = { values: setup.values ?? usual.values, intent: setup.intent ?? usual.intent };
+      await opened.hangar
+        .equip(opened.second, [models.values, models.intent, setup.values, setup.intent])
+        .catch(() => {});
+      if (this.gone) return;
+      opened.second.watch(opened.bytes);
+      this.bar = this.makeBar(setup, models, opened.second.pilots());
+      this.main.insertBefore(this.bar.node, this.verdict);
+    }
+    this.bar.start();
+  }
+
+  private makeBar(setup: Setup, models: { values: string | null; intent: string | null }, pilots: Hands[]): WhatIfBar {
+    const here = () => Math.min(this.run?.tick ?? 0, this.opened!.recording.length);
+    return new WhatIfBar(
+      setup,
+      models,
+      pilots,
+      here,
+      (wish) => void this.fly(wish),
+      () => this.leave(),
+    );
+  }
+
+  private async fly(wish: Wish): Promise<void> {
+    const { second, recording } = this.opened!;
+    const mine = (this.wishes += 1);
+    const wanted = () => !this.gone && this.wishes === mine;
+    try {
+      const branch = await flyBranch(second, recording, wish, wanted);
+      if (branch !== null && wanted()) this.showBranch(branch);
+    } catch (error) {
+      if (!(error instanceof CoreError)) await second.revive();
+      if (wanted()) this.tell(sentence(reasonOf(error)), true);
+    }
+  }
+
+  private showBranch(branch: Branch): void {
+    const { recording } = this.opened!;
+    this.branch = branch;
+    const { wish } = branch;
+    const { sign, word } = ENDING_WORDS[branch.ending];
+    this.other.begin(branch);
+    this.other.say(
+      element('span', {}, `${sign} ${word} after ${(branch.length / branch.opening.ticks_per_second).toFixed(2)} s`),
+      element('span', {}, `${ruleWords(wish.rule)} · ${wish.inference} · ${handsWords(wish.pilot)}`),
+    );
+    this.other.name('What if', null);
+    this.stages.replaceChildren(this.own.node, this.other.node);
+    this.strips.replaceChildren(this.own.strip, this.other.strip, this.player.slider);
+    this.beside.replaceChildren(this.tabs(), this.overlay.node);
+    this.overlayOf = 'what if';
+    this.main.classList.add('with-branch');
+    this.tell(whatItSays(recording, branch), false);
+    const screens: [Screen, Screen] = [
+      { recording, stage: this.own.stage },
+      { recording: branch, stage: this.other.stage },
+    ];
+    this.start(screens, Math.max(0, wish.at - RUN_UP_TICKS), true);
+  }
+
+  private leave(): void {
+    const at = this.run?.tick ?? 0;
+    this.wishes += 1;
+    this.branch = null;
+    this.bar?.node.remove();
+    this.bar = null;
+    this.overlayOf = 'recorded';
+    this.verdict.hidden = true;
+    this.main.classList.remove('with-branch');
+    const { recording } = this.opened!;
+    this.stages.replaceChildren(this.own.node);
+    this.strips.replaceChildren(this.own.strip, this.player.slider);
+    this.beside.replaceChildren(this.overlay.node);
+    this.start([{ recording, stage: this.own.stage }], Math.min(at, recording.length), false);
+  }
+
+  private tell(words: string, failed: boolean): void {
+    this.verdict.hidden = false;
+    this.verdict.textContent = words;
+    this.verdict.dataset['failed'] = String(failed);
+  }
+
+  private tabs(): HTMLElement {
+    const tab = (name: 'recorded' | 'what if') =>
+      button(name, { 'aria-pressed': String(this.overlayOf === name) }, () => {
+        this.overlayOf = name;
+        this.beside.replaceChildren(this.tabs(), this.overlay.node);
+        this.beginOverlay();
+        this.moved(this.run?.tick ?? 0);
+      });
+    return element(
+      'div',
+      { class: 'segmented', role: 'group', 'aria-label': 'Whose co-pilot' },
+      tab('recorded'),
+      tab('what if'),
+    );
+  }
+
+  private beginOverlay(): void {
+    const shown = this.overlayOf === 'what if' && this.branch !== null ? this.branch : this.opened!.recording;
+    const { setup, pilot_goal, goals } = shown.opening;
+    this.overlay.begin(setup.rule, pilot_goal, goals, []);
+  }
+
+  private drawStrips(): void {
+    if (this.run === null || this.opened === null) return;
+    const { length } = this.run;
+    drawStrip(this.own.strip, this.opened.recording.history, 0, length);
+    if (this.branch === null) return;
+    drawStrip(this.other.strip, this.branch.history, 0, length);
+    markBranch(this.other.strip, this.branch, length);
+  }
+}
+
+/** A stage with its title, and the strip of what happened on it. */
+class Panel {
+  readonly strip = element('canvas', { class: 'strip', 'aria-hidden': 'true' });
+  readonly stage: Stage;
+  readonly node: HTMLElement;
+  private readonly title = element('div', { class: 'title' });
+  private readonly head = element('b', {});
+  private readonly words = element('div', { class: 'words' });
+  private readonly now = element('div', { class: 'moment' });
+
+  constructor(readonly what: string) {
+    const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': `The flight, ${what}` });
+    const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
+    this.stage = new Stage(back, canvas);
+    this.title.append(this.head, this.words);
+    this.node = element('div', { class: 'stage', 'data-what': what }, back, canvas, this.title, this.now);
+  }
+
+  begin(recording: Recording): void {
+    const { opening } = recording;
+    this.stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, opening.ticks_per_second);
+  }
+
+  name(words: string, to: string | null): void {
+    this.head.replaceChildren(to === null ? words : element('a', { href: to }, words));
+  }
+
+  say(...words: HTMLElement[]): void {
+    this.words.replaceChildren(...words);
+  }
+
+  moment({ words, state }: { words: string; state: string }): void {
+    this.now.textContent = words;
+    this.now.dataset['state'] = state;
+  }
+}
+
+/** Seconds of the person's time since the branch. */
+function sinceBranch({ wish, opening }: Branch, position: number): number {
+  return (position - wish.at) / (opening.ticks_per_second * opening.setup.time_scale);
+}
+
+/** What the moment shown is worth. */
+function momentWords(branch: Branch, position: number): { words: string; state: string } {
+  const since = sinceBranch(branch, position);
+  if (since <= 0) return { words: 'as recorded', state: 'recorded' };
+  const at = `+${since.toFixed(2)} s`;
+  if (branch.wish.pilot.pilot !== 'recorded') return { words: `${at}, simulated pilot`, state: 'fresh' };
+  if (since <= MEANINGFUL_S) return { words: `${at}, open loop`, state: 'fresh' };
+  return { words: `${at}: the person would have answered by now`, state: 'stale' };
+}
+
+/** In one sentence what the branch shows, and in another what it does not. */
+export function whatItSays(original: Recording, branch: Branch): string {
+  const { wish, differsAfter, opening } = branch;
+  const rate = opening.ticks_per_second * opening.setup.time_scale;
+  const parting = partingOf(original, branch);
+  const first =
+    differsAfter === null
+      ? 'Nothing else would have been carried out.'
+      : `First other action after ${(differsAfter / rate).toFixed(2)} s; ${
+          parting === null
+            ? 'the ways never part visibly'
+            : `the ways part visibly after ${((parting - wish.at) / rate).toFixed(2)} s`
+        }.`;
+  if (wish.pilot.pilot === 'recorded') {
+    return `${first} An open loop: the keys answer the recorded flight, not this one. Read its first second; what comes later, the ending too, means little.`;
+  }
+  const who = wish.pilot.pilot === 'person' ? 'A simulated person, not this participant' : 'Not this participant';
+  return `${first} ${who}: it shows what could be done from here, not what would have been.`;
+}
+
+/** The tick at which the ways are visibly apart; null if they never are. */
+function partingOf(original: Recording, branch: Branch): number | null {
+  const { movable } = original.opening.scene;
+  const body = Math.max(
+    movable.findIndex(({ role }) => role === 'body'),
+    0,
+  );
+  const [west, south, east, north] = boxOf(movable[body]?.shapes ?? []);
+  const size = Math.max(east - west, north - south);
+  const tick = apart(original, branch, body).findIndex((distance) => distance > SEEN_APART * size);
+  return tick < 0 ? null : tick;
+}
+
+/** Marks on a strip where the branch begins, and dims what means little. */
+function markBranch(canvas: HTMLCanvasElement, branch: Branch, length: number): void {
+  const pen = canvas.getContext('2d');
+  if (pen === null) return;
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const x = (tick: number) => (tick / Math.max(length, 1)) * width;
+  const { wish, opening } = branch;
+  const until = wish.at + MEANINGFUL_S * opening.ticks_per_second * opening.setup.time_scale;
+  pen.fillStyle = 'rgba(11, 17, 34, 0.6)';
+  pen.fillRect(0, 0, x(wish.at), height);
+  if (wish.pilot.pilot === 'recorded') {
+    pen.strokeStyle = 'rgba(160, 176, 210, 0.5)';
+    pen.lineWidth = 1;
+    pen.beginPath();
+    for (let at = x(until) - height; at < width; at += 7) {
+      pen.moveTo(Math.max(at, x(until)), at < x(until) ? height - (x(until) - at) : height);
+      pen.lineTo(at + height, 0);
+    }
+    pen.stroke();
+  }
+  pen.fillStyle = '#ffb000';
+  pen.fillRect(x(wish.at) - 1, 0, 2, height);
+}
