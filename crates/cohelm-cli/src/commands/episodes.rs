@@ -1,6 +1,7 @@
 //! `cohelm episodes`: what is stored.
 
 use super::fly::open_existing;
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
 use anyhow::Result;
@@ -18,7 +19,7 @@ pub struct Episodes {
     #[arg(long, default_value = "cohelm.db", value_name = "FILE")]
     database: PathBuf,
     /// Most episodes to list.
-    #[arg(long, default_value_t = 50)]
+    #[arg(long, default_value_t = 50, value_parser = whole::<u32>)]
     limit: u32,
     #[command(flatten)]
     format: Format,

@@ -1,5 +1,6 @@
 //! `cohelm fly`: the page, the co-pilot and the database, from one program.
 
+use crate::numbers::whole;
 use crate::output::say;
 use crate::{live, rig};
 use anyhow::Result;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 #[derive(Args)]
 pub struct Fly {
     /// Port on this machine; 0 for any free one.
-    #[arg(long, default_value_t = 8080)]
+    #[arg(long, default_value_t = 8080, value_parser = whole::<u16>)]
     port: u16,
     /// Where flights are stored; made if it is not there.
     #[arg(long, default_value = "cohelm.db", value_name = "FILE")]

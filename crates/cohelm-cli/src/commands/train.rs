@@ -2,6 +2,7 @@
 
 use super::evaluate::threads;
 use super::fly::open_existing;
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
@@ -49,10 +50,10 @@ pub struct Train {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Fixes everything random: the same seed gives the same weights on one kind of CPU.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole::<u64>)]
     seed: u64,
     /// Threads, which change nothing but the time; 0 for one a core.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole::<usize>)]
     threads: usize,
     /// What the model is called; after the task unless given.
     #[arg(long)]

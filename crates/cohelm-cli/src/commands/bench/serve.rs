@@ -2,6 +2,7 @@
 
 use crate::commands::evaluate::threads;
 use crate::commands::fly::open_existing;
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
 use crate::server_process::{ServerProcess, Usage, own_usage};
@@ -39,16 +40,16 @@ const PARTICIPANTS: u64 = 0x6c6f_6164;
 #[derive(Args)]
 pub struct Serve {
     /// How many fly at once, one flight after the other without a pause.
-    #[arg(long, default_value_t = 500)]
+    #[arg(long, default_value_t = 500, value_parser = whole::<usize>)]
     participants: usize,
     /// For how long.
-    #[arg(long, default_value_t = 20)]
+    #[arg(long, default_value_t = 20, value_parser = whole::<u32>)]
     seconds: u32,
     /// How long 99 % of the waits from the end of a second of flight to its acknowledgement may last.
     #[arg(long, default_value_t = 200.0, value_name = "MS")]
     bound: f64,
     /// Fixes participants and flights.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole::<u64>)]
     seed: u64,
     #[command(flatten)]
     format: Format,
