@@ -65,7 +65,7 @@ export function lateSparkline(shares: number[]): HTMLElement {
     'span',
     { class: 'sparkline', title: `Share of late ticks in the last ${last.length} flights; at worst ${percent}` },
     picture,
-    element('small', {}, `≤ ${percent}`),
+    element('small', {}, `max ${percent}`),
   );
 }
 

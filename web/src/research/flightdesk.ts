@@ -226,8 +226,8 @@ export class FlightDeskView implements DeskView {
     this.other.name('What if', null);
     this.stages.replaceChildren(this.own.node, this.other.node);
     this.strips.replaceChildren(this.own.strip, this.other.strip, this.player.slider);
-    this.beside.replaceChildren(this.tabs(), this.overlay.node);
     this.overlayOf = 'what if';
+    this.beside.replaceChildren(this.tabs(), this.overlay.node);
     this.main.classList.add('with-branch');
     this.tell(whatItSays(recording, branch), false);
     const screens: [Screen, Screen] = [

@@ -29,11 +29,19 @@ export class OverviewView implements DeskView {
   constructor(private readonly desk: Desk) {
     this.main.append(
       this.tally,
-      section('Plan and progress', { class: 'panel-box cells' }, this.cells),
-      section('Where everybody is', { class: 'panel-box now' }, this.now),
-      section('What just happened', { class: 'panel-box recent' }, this.recent),
-      section('Dropped out, or quiet', { class: 'panel-box quiet' }, this.quiet),
-      section('Design', { class: 'panel-box design' }, this.design),
+      element(
+        'div',
+        { class: 'column' },
+        section('Where everybody is', { class: 'panel-box' }, this.now),
+        section('Plan and progress', { class: 'panel-box' }, this.cells),
+        section('Dropped out, or quiet', { class: 'panel-box' }, this.quiet),
+      ),
+      element(
+        'div',
+        { class: 'column' },
+        section('What just happened', { class: 'panel-box recent' }, this.recent),
+        section('Design', { class: 'panel-box' }, this.design),
+      ),
     );
     this.deaf = desk.feed.listen((changed) => void this.show(changed));
     void this.show(new Set());

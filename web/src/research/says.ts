@@ -37,7 +37,7 @@ export function ago(at_ms: number, now_ms: number): string {
 /** The time of day, with the date unless it is today's. */
 export function clock(at_ms: number, now_ms: number): string {
   const [at, now] = [new Date(at_ms), new Date(now_ms)];
-  const time = at.toLocaleTimeString([], { hour: '2-digit', minute: '2-digit', second: '2-digit' });
+  const time = at.toLocaleTimeString([], { hour: '2-digit', minute: '2-digit', second: '2-digit', hourCycle: 'h23' });
   return at.toDateString() === now.toDateString() ? time : `${at.toLocaleDateString()} ${time}`;
 }
 
