@@ -5,6 +5,7 @@
 //! the design into words. Knows no plant and no model: what needs one is asked of a [`Catalogue`].
 
 pub mod catalogue;
+mod check;
 pub mod condition;
 mod defaults;
 pub mod error;
@@ -345,3 +346,6 @@ fn three() -> u32 {
 fn two_hours() -> u32 {
     120
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,6 +2,13 @@
 
 use super::{InstructionPage, Instructions, Picture, Words};
 
+/// Whether a text is one of these, which may be given in more languages than a study has.
+pub(super) fn is_one(words: &Words) -> bool {
+    let pages = Instructions::default().pages;
+    let read = |page: &InstructionPage| page.title == *words || page.text == *words;
+    *words == debrief() || *words == pause() || pages.iter().any(read)
+}
+
 /// The same text in English and German.
 pub(crate) fn both(english: &str, german: &str) -> Words {
     Words::By([("en", english), ("de", german)].map(|(code, text)| (code.to_owned(), text.to_owned())).into())

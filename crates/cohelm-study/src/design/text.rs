@@ -45,6 +45,15 @@ impl Words {
         }
     }
 
+    /// The text in every language it is given in.
+    pub fn all(&self) -> impl Iterator<Item = &str> {
+        let (one, several) = match self {
+            Self::Same(text) => (Some(text), None),
+            Self::By(texts) => (None, Some(texts.values())),
+        };
+        one.into_iter().chain(several.into_iter().flatten()).map(String::as_str)
+    }
+
     /// Whether it can be read in a language without falling back to another.
     pub fn speaks(&self, language: &str) -> bool {
         match self {
