@@ -29,6 +29,8 @@ interface Shown {
   size: number;
   ownBox: Box | null;
   way: cues.Way;
+  /** Another way to compare with. */
+  other: Point[];
 }
 
 /** Draws a scene. */
@@ -72,6 +74,7 @@ export class Stage {
       size: sizeOf(scene.movable[body]),
       ownBox: own === undefined ? null : boxOf(own.shapes),
       way: { points: [], corrected: [] },
+      other: [],
     };
     this.ending = null;
     this.motion = null;
@@ -84,6 +87,16 @@ export class Stage {
     if (pose === undefined) return;
     this.shown?.way.points.push([pose.x, pose.y]);
     this.shown?.way.corrected.push(tick.intervention?.effective === true);
+  }
+
+  /** Another way through the same scene, drawn for comparison: the poses of each of its ticks. */
+  compare(ticks: Pose[][]): void {
+    if (this.shown === null) return;
+    const { body } = this.shown;
+    this.shown.other = ticks.flatMap((poses): Point[] => {
+      const pose = poses[body];
+      return pose === undefined ? [] : [[pose.x, pose.y]];
+    });
   }
 
   /** Shows how it ended. */
@@ -160,6 +173,7 @@ export class Stage {
     const { front, view, motion } = this;
     const over = this.ending !== null || upTo !== Infinity;
     cues.paintSides(front, view, shown.scene, over ? null : motion);
+    cues.paintOther(front, view, shown.other);
     cues.paintWay(front, view, shown.way, Math.min(upTo, shown.way.points.length), over, shown.ticksPerSecond);
     if (shown.ownBox !== null) cues.paintPointer(front, view, shown.ownBox, nowMs, this.calm);
     if (motion === null) return;

@@ -235,6 +235,11 @@ export class FlightDeskView implements DeskView {
       { recording: branch, stage: this.other.stage },
     ];
     this.start(screens, Math.max(0, wish.at - RUN_UP_TICKS), true);
+    // The recorded way beside the other, from where they part.
+    const recorded = Array.from({ length: Math.max(0, recording.length - wish.at) + 1 }, (_, i) =>
+      recording.posesAt(Math.min(wish.at + i, recording.length)),
+    );
+    this.other.stage.compare(recorded);
   }
 
   private leave(): void {
@@ -339,6 +344,7 @@ function momentWords(branch: Branch, position: number): { words: string; state: 
   if (since <= 0) return { words: 'as recorded', state: 'recorded' };
   const at = `+${since.toFixed(2)} s`;
   if (branch.wish.pilot.pilot !== 'recorded') return { words: `${at}, simulated pilot`, state: 'fresh' };
+  if (position > branch.keysEnd) return { words: `${at}: the recorded keys are over, nobody asks`, state: 'stale' };
   if (since <= MEANINGFUL_S) return { words: `${at}, open loop`, state: 'fresh' };
   return { words: `${at}: the person would have answered by now`, state: 'stale' };
 }

@@ -5,10 +5,9 @@ import { cell, kindBadges, placeBar, section, statusChip, table } from './bits';
 import type { Cell, Logged, Row, StudyReport } from './deskapi';
 import * as api from './deskapi';
 import type { Desk, DeskView } from './place';
+import { isGone, isQuiet } from './roll';
 import { ago, clock, eventWords, isNews, STATUS, STATUSES } from './says';
 
-/** Who was not seen for so long without having finished counts as quiet, ms. */
-export const QUIET_MS = 30 * 60_000;
 /** Logs that are read for what just happened, and events that are shown. */
 const [RECENT_PEOPLE, RECENT_EVENTS] = [12, 40];
 /** Most places of a cell that are drawn one by one. */
@@ -150,15 +149,6 @@ export class OverviewView implements DeskView {
     if (newest.length === 0) return element('p', { class: 'empty' }, 'Nothing yet.');
     return element('ol', { class: 'events' }, ...newest.map(line));
   }
-}
-
-export function isGone({ status }: Row): boolean {
-  return status === 'excluded' || status === 'withdrawn' || status === 'declined';
-}
-
-/** Under way, but not seen for a while. */
-export function isQuiet({ status, connected, last_seen_ms }: Row, now_ms: number): boolean {
-  return status === 'under-way' && !connected && last_seen_ms !== null && now_ms - last_seen_ms > QUIET_MS;
 }
 
 /** One number a status, and how much of the plan is done. */

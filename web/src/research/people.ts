@@ -3,17 +3,10 @@
 import { button, element, select } from '../dom';
 import * as actions from './actions';
 import { cell, endingSigns, kindBadges, lateSparkline, placeBar, statusChip, table } from './bits';
-import type { Row, Status } from './deskapi';
+import type { Row } from './deskapi';
 import type { Desk, DeskView } from './place';
+import { filtered, type Filter } from './roll';
 import { ago, STATUS, STATUSES } from './says';
-
-export interface Filter {
-  /** Part of a code. */
-  code: string;
-  status: Status | 'all' | 'here';
-  /** Tests and bots too. */
-  others: boolean;
-}
 
 const HEADS: [name: string, kind: string][] = [
   ['participant', ''],
@@ -118,16 +111,6 @@ export class PeopleView implements DeskView {
     });
     return line;
   }
-}
-
-/** The rows that a filter lets through, those that are here first, then the newest. */
-export function filtered(rows: Row[], { code, status, others }: Filter): Row[] {
-  const fits = (row: Row) =>
-    row.code.toLowerCase().includes(code.trim().toLowerCase()) &&
-    (others || (!row.test && !row.simulated)) &&
-    (status === 'all' || (status === 'here' ? row.connected : row.status === status));
-  const rank = ({ in_air, connected }: Row) => (in_air !== null ? 2 : connected ? 1 : 0);
-  return rows.filter(fits).sort((a, b) => rank(b) - rank(a) || b.id - a.id);
 }
 
 /** The order of conditions, the present one marked. */
