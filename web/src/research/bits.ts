@@ -129,3 +129,25 @@ export function saveLink(name: string, type: string, text: string): HTMLAnchorEl
   });
   return link;
 }
+
+/** Fills a part anew, unless somebody is selecting text in it or has a menu open there; the focus stays where it was. */
+export function refill(part: HTMLElement, ...content: Node[]): void {
+  const selection = getSelection();
+  const selecting = selection !== null && !selection.isCollapsed && part.contains(selection.anchorNode);
+  if (selecting || part.querySelector('details.menu[open]') !== null) return;
+  const [scroll, focus] = [part.scrollTop, focusIn(part)];
+  part.replaceChildren(...content);
+  part.scrollTop = scroll;
+  if (focus !== null) part.querySelector<HTMLElement>(focus)?.focus();
+}
+
+/** What finds the focused link or menu again after it was made anew. */
+function focusIn(part: HTMLElement): string | null {
+  const at = document.activeElement;
+  if (at === null || !part.contains(at)) return null;
+  for (const name of ['href', 'aria-label']) {
+    const value = at.getAttribute(name);
+    if (value !== null) return `[${name}="${CSS.escape(value)}"]`;
+  }
+  return null;
+}

@@ -18,7 +18,8 @@ export class Feed {
   private source: EventSource | null = null;
   private timer = 0;
   private pulse = 0;
-  private asking = false;
+  private asking: Promise<void> | null = null;
+  private next: Promise<void> | null = null;
 
   /** `letOut` is called when the server no longer believes the secret. */
   constructor(private readonly letOut: () => void) {}
@@ -51,21 +52,26 @@ export class Feed {
     return () => this.told.delete(told);
   }
 
-  /** Asks now: something was done here. */
-  async refresh(): Promise<void> {
-    if (this.asking) return;
-    this.asking = true;
+  /** Asks now: something was done here. What is being asked already may be older than that, so it is asked again. */
+  refresh(): Promise<void> {
+    if (this.asking === null) return (this.asking = this.ask().finally(() => (this.asking = null)));
+    this.next ??= this.asking.then(() => {
+      this.next = null;
+      return this.refresh();
+    });
+    return this.next;
+  }
+
+  private async ask(): Promise<void> {
+    const changed = new Set(this.changed);
+    this.changed.clear();
     try {
       [this.study, this.rows] = await Promise.all([api.study(), api.participants()]);
       this.trouble = null;
     } catch (error) {
       this.trouble = error;
       if (error instanceof api.NotLetIn) this.letOut();
-    } finally {
-      this.asking = false;
     }
-    const changed = new Set(this.changed);
-    this.changed.clear();
     this.told.forEach((told) => told(changed));
   }
 

@@ -1,6 +1,6 @@
 // A recorded flight at the desk: watched with a scrubber, and flown again from any tick as it was not.
 
-import type { Core, Hands, ReplayReport, Setup, Wish } from '../core';
+import type { Core, ReplayReport, Wish } from '../core';
 import { CoreError } from '../core';
 import { button, element } from '../dom';
 import type { Hangar } from '../hangar';
@@ -9,21 +9,18 @@ import { Overlay } from '../overlay';
 import { Player } from '../player';
 import { readRecord } from '../record';
 import { readRecording, ReplayRun, type Recording, type Screen } from '../replay';
-import { boxOf } from '../shapes';
 import { sheetOf } from '../sheet';
-import { Stage } from '../stage';
 import { ENDING_WORDS, reasonOf, sentence } from '../words';
-import { apart, flyBranch, MEANINGFUL_S, type Branch } from './branching';
+import { flyBranch, type Branch } from './branching';
 import * as api from './deskapi';
+import { markBranch, Panel } from './panel';
 import type { Desk, DeskView } from './place';
 import { stepWords } from './says';
 import { handsWords, ruleWords, WhatIfBar } from './whatif';
+import { momentWords, whatItSays } from './worth';
 
 /** Ticks shown before a branch, so that one sees how it came to it. */
 const RUN_UP_TICKS = 40;
-/** A parting of the ways that one can see: so much of the craft's size. */
-const SEEN_APART = 0.5;
-
 interface Opened {
   core: Core;
   second: Core;
@@ -182,22 +179,15 @@ export class FlightDeskView implements DeskView {
         .catch(() => {});
       if (this.gone) return;
       opened.second.watch(opened.bytes);
-      this.bar = this.makeBar(setup, models, opened.second.pilots());
+      const ground = { setup, models, pilots: opened.second.pilots() };
+      this.bar = new WhatIfBar(
+        ground,
+        (wish) => void this.fly(wish),
+        () => this.leave(),
+      );
       this.main.insertBefore(this.bar.node, this.verdict);
     }
-    this.bar.start();
-  }
-
-  private makeBar(setup: Setup, models: { values: string | null; intent: string | null }, pilots: Hands[]): WhatIfBar {
-    const here = () => Math.min(this.run?.tick ?? 0, this.opened!.recording.length);
-    return new WhatIfBar(
-      setup,
-      models,
-      pilots,
-      here,
-      (wish) => void this.fly(wish),
-      () => this.leave(),
-    );
+    this.bar.start(Math.min(this.run.tick, opened.recording.length));
   }
 
   private async fly(wish: Wish): Promise<void> {
@@ -294,114 +284,4 @@ export class FlightDeskView implements DeskView {
     drawStrip(this.other.strip, this.branch.history, 0, length);
     markBranch(this.other.strip, this.branch, length);
   }
-}
-
-/** A stage with its title, and the strip of what happened on it. */
-class Panel {
-  readonly strip = element('canvas', { class: 'strip', 'aria-hidden': 'true' });
-  readonly stage: Stage;
-  readonly node: HTMLElement;
-  private readonly title = element('div', { class: 'title' });
-  private readonly head = element('b', {});
-  private readonly words = element('div', { class: 'words' });
-  private readonly now = element('div', { class: 'moment' });
-
-  constructor(readonly what: string) {
-    const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': `The flight, ${what}` });
-    const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
-    this.stage = new Stage(back, canvas);
-    this.title.append(this.head, this.words);
-    this.node = element('div', { class: 'stage', 'data-what': what }, back, canvas, this.title, this.now);
-  }
-
-  begin(recording: Recording): void {
-    const { opening } = recording;
-    this.stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, opening.ticks_per_second);
-  }
-
-  name(words: string, to: string | null): void {
-    this.head.replaceChildren(to === null ? words : element('a', { href: to }, words));
-  }
-
-  say(...words: HTMLElement[]): void {
-    this.words.replaceChildren(...words);
-  }
-
-  moment({ words, state }: { words: string; state: string }): void {
-    this.now.textContent = words;
-    this.now.dataset['state'] = state;
-  }
-}
-
-/** Seconds of the person's time since the branch. */
-function sinceBranch({ wish, opening }: Branch, position: number): number {
-  return (position - wish.at) / (opening.ticks_per_second * opening.setup.time_scale);
-}
-
-/** What the moment shown is worth. */
-function momentWords(branch: Branch, position: number): { words: string; state: string } {
-  const since = sinceBranch(branch, position);
-  if (since <= 0) return { words: 'as recorded', state: 'recorded' };
-  const at = `+${since.toFixed(2)} s`;
-  if (branch.wish.pilot.pilot !== 'recorded') return { words: `${at}, simulated pilot`, state: 'fresh' };
-  if (position > branch.keysEnd) return { words: `${at}: the recorded keys are over, nobody asks`, state: 'stale' };
-  if (since <= MEANINGFUL_S) return { words: `${at}, open loop`, state: 'fresh' };
-  return { words: `${at}: the person would have answered by now`, state: 'stale' };
-}
-
-/** In one sentence what the branch shows, and in another what it does not. */
-export function whatItSays(original: Recording, branch: Branch): string {
-  const { wish, differsAfter, opening } = branch;
-  const rate = opening.ticks_per_second * opening.setup.time_scale;
-  const parting = partingOf(original, branch);
-  const first =
-    differsAfter === null
-      ? 'Nothing else would have been carried out.'
-      : `First other action after ${(differsAfter / rate).toFixed(2)} s; ${
-          parting === null
-            ? 'the ways never part visibly'
-            : `the ways part visibly after ${((parting - wish.at) / rate).toFixed(2)} s`
-        }.`;
-  if (wish.pilot.pilot === 'recorded') {
-    return `${first} An open loop: the keys answer the recorded flight, not this one. Read its first second; what comes later, the ending too, means little.`;
-  }
-  const who = wish.pilot.pilot === 'person' ? 'A simulated person, not this participant' : 'Not this participant';
-  return `${first} ${who}: it shows what could be done from here, not what would have been.`;
-}
-
-/** The tick at which the ways are visibly apart; null if they never are. */
-function partingOf(original: Recording, branch: Branch): number | null {
-  const { movable } = original.opening.scene;
-  const body = Math.max(
-    movable.findIndex(({ role }) => role === 'body'),
-    0,
-  );
-  const [west, south, east, north] = boxOf(movable[body]?.shapes ?? []);
-  const size = Math.max(east - west, north - south);
-  const tick = apart(original, branch, body).findIndex((distance) => distance > SEEN_APART * size);
-  return tick < 0 ? null : tick;
-}
-
-/** Marks on a strip where the branch begins, and dims what means little. */
-function markBranch(canvas: HTMLCanvasElement, branch: Branch, length: number): void {
-  const pen = canvas.getContext('2d');
-  if (pen === null) return;
-  const { clientWidth: width, clientHeight: height } = canvas;
-  const x = (tick: number) => (tick / Math.max(length, 1)) * width;
-  const { wish, opening } = branch;
-  const until = wish.at + MEANINGFUL_S * opening.ticks_per_second * opening.setup.time_scale;
-  pen.fillStyle = 'rgba(11, 17, 34, 0.6)';
-  pen.fillRect(0, 0, x(wish.at), height);
-  if (wish.pilot.pilot === 'recorded') {
-    pen.strokeStyle = 'rgba(160, 176, 210, 0.5)';
-    pen.lineWidth = 1;
-    pen.beginPath();
-    for (let at = x(until) - height; at < width; at += 7) {
-      pen.moveTo(Math.max(at, x(until)), at < x(until) ? height - (x(until) - at) : height);
-      pen.lineTo(at + height, 0);
-    }
-    pen.stroke();
-  }
-  pen.fillStyle = '#ffb000';
-  pen.fillRect(x(wish.at) - 1, 0, 2, height);
 }

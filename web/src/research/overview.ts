@@ -1,7 +1,7 @@
 // The study at a glance: who has done what of what was planned, who is where now, what just happened.
 
 import { button, element } from '../dom';
-import { cell, kindBadges, placeBar, section, statusChip, table } from './bits';
+import { cell, kindBadges, placeBar, refill, section, statusChip, table } from './bits';
 import type { Cell, Logged, Row, StudyReport } from './deskapi';
 import * as api from './deskapi';
 import type { Desk, DeskView } from './place';
@@ -53,14 +53,14 @@ export class OverviewView implements DeskView {
   private async show(changed: ReadonlySet<number>): Promise<void> {
     const { study, rows } = this.desk.feed;
     if (study === null) return;
-    this.tally.replaceChildren(...tally(study, rows));
-    this.cells.replaceChildren(cellsTable(study.cells));
-    this.now.replaceChildren(this.nowTable(rows));
-    this.quiet.replaceChildren(this.quietTable(rows));
+    refill(this.tally, ...tally(study, rows));
+    refill(this.cells, cellsTable(study.cells));
+    refill(this.now, this.nowTable(rows));
+    refill(this.quiet, this.quietTable(rows));
     if (this.designOf !== study.hash) this.design.replaceChildren(designOf(study));
     this.designOf = study.hash;
     await this.readLogs(rows, changed);
-    this.recent.replaceChildren(this.recentList(rows));
+    refill(this.recent, this.recentList(rows));
   }
 
   private nowTable(rows: Row[]): HTMLElement {

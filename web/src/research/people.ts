@@ -2,7 +2,7 @@
 
 import { button, element, select } from '../dom';
 import * as actions from './actions';
-import { cell, endingSigns, kindBadges, lateSparkline, placeBar, statusChip, table } from './bits';
+import { cell, endingSigns, kindBadges, lateSparkline, placeBar, refill, statusChip, table } from './bits';
 import type { Row } from './deskapi';
 import type { Desk, DeskView } from './place';
 import { filtered, type Filter } from './roll';
@@ -72,14 +72,13 @@ export class PeopleView implements DeskView {
     this.show();
   }
 
-  /** Rows are made anew only while no menu is open: it would vanish under the hand. */
   private show(): void {
-    if (this.body.querySelector('details[open]') !== null) return;
     const { rows } = this.desk.feed;
     const shown = filtered(rows, this.filter);
     this.count.textContent = shown.length === rows.length ? `${rows.length}` : `${shown.length} of ${rows.length}`;
     const empty = rows.length === 0 ? 'Nobody was invited yet. Make the first link.' : 'Nobody fits the filter.';
-    this.body.replaceChildren(
+    refill(
+      this.body,
       table(
         HEADS,
         shown.map((row) => this.line(row)),

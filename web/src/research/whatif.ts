@@ -39,6 +39,16 @@ export function handsWords(hands: Hands): string {
   }
 }
 
+/** What there is to choose from. */
+export interface Ground {
+  /** The record's setup. */
+  setup: Setup;
+  /** The models of the record, or the usual ones of its task if it has none. */
+  models: { values: string | null; intent: string | null };
+  /** Who can take over. */
+  pilots: Hands[];
+}
+
 /** A bar with the choices; `changed` is called with a wish whenever one is chosen otherwise. */
 export class WhatIfBar {
   readonly node = element('div', { class: 'what-if', role: 'group', 'aria-label': 'What if' });
@@ -56,15 +66,12 @@ export class WhatIfBar {
   private inference: Inference;
   private hands: Hands = { pilot: 'recorded' };
 
-  /** `models` are those of the record, or the usual ones if it has none. */
   constructor(
-    private readonly setup: Setup,
-    private readonly models: { values: string | null; intent: string | null },
-    pilots: Hands[],
-    private readonly here: () => number,
+    private readonly ground: Ground,
     private readonly changed: (wish: Wish) => void,
     close: () => void,
   ) {
+    const { setup, models, pilots } = ground;
     this.inference = setup.inference;
     const own = JSON.stringify(setup.rule);
     const rules = [setup.rule, ...RULES.filter((rule) => JSON.stringify(rule) !== own)];
@@ -77,7 +84,6 @@ export class WhatIfBar {
     this.node.append(
       element('b', {}, 'What if'),
       element('span', {}, 'from ', this.from),
-      button('From here', { class: 'secondary', title: 'From where the scrubber stands' }, () => this.start()),
       select(
         'rule',
         rules.map((rule, i) => [String(i), ruleWords(rule) + (i === 0 ? ' (as flown)' : '')]),
@@ -98,9 +104,9 @@ export class WhatIfBar {
     this.show();
   }
 
-  /** From where the scrubber stands now. */
-  start(): void {
-    this.at = this.here();
+  /** From that tick on. */
+  start(at: number): void {
+    this.at = at;
     this.choose({});
   }
 
@@ -111,10 +117,11 @@ export class WhatIfBar {
   }
 
   private wish(): Wish {
-    const { at, rule, inference, hands, models } = this;
+    const { at, rule, inference, hands } = this;
+    const { setup, models } = this.ground;
     const person = Math.max(0, Math.min(999, Math.round(Number(this.who.value)) || 0));
     const pilot = hands.pilot === 'person' ? { ...hands, person } : hands;
-    return { at, rule, inference, silence: this.setup.silence ?? 'best', ...models, pilot };
+    return { at, rule, inference, silence: setup.silence ?? 'best', ...models, pilot };
   }
 
   private show(): void {
