@@ -33,6 +33,14 @@ interface Shown {
   other: Point[];
 }
 
+/** What is written into the picture. */
+export interface StageWords {
+  /** Behind the distance of a craft that is out of sight. */
+  away: string;
+  /** Below the person's own goal. */
+  own: string;
+}
+
 /** Draws a scene. */
 export class Stage {
   private readonly back: CanvasRenderingContext2D;
@@ -46,11 +54,11 @@ export class Stage {
   private motion: cues.Motion | null = null;
   private tilt_rad = 0;
 
-  /** `back` lies below `front`; `away` is what is said behind the distance of a craft that is out of sight. */
+  /** `back` lies below `front`; `words` for another language than English. */
   constructor(
     private readonly backCanvas: HTMLCanvasElement,
     readonly canvas: HTMLCanvasElement,
-    private readonly away = 'away',
+    private readonly words: StageWords = { away: 'away', own: 'YOUR GOAL' },
   ) {
     this.back = penOf(backCanvas);
     this.front = penOf(canvas);
@@ -150,7 +158,7 @@ export class Stage {
         one.width = Math.round(view.width * view.ratio);
         one.height = Math.round(view.height * view.ratio);
       }
-      paintBackdrop(this.back, view, shown.scene, shown.ownGoal, shown.seed);
+      paintBackdrop(this.back, view, shown.scene, { goal: shown.ownGoal, words: this.words.own }, shown.seed);
       this.stale = false;
     }
     return true;
@@ -224,7 +232,7 @@ export class Stage {
   private paintAbove(nowMs: number): void {
     const { front, view, motion, ending } = this;
     if (motion !== null && ending === null) cues.paintHeading(front, view, motion);
-    if (motion !== null) cues.paintOutOfSight(front, view, motion, this.away);
+    if (motion !== null) cues.paintOutOfSight(front, view, motion, this.words.away);
     if (ending !== null) this.paintEnding(ending, nowMs);
   }
 

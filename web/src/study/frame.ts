@@ -55,7 +55,7 @@ export class Frame {
     this.badge.hidden = !participant.test && !participant.simulated;
     this.badge.textContent = participant.simulated ? words.simulated : words.test;
     this.bar.max = Math.max(total, 1);
-    this.bar.value = place;
+    this.bar.value = status === 'completed' ? total : place;
     this.bar.setAttribute('aria-label', words.progress);
     const left = minutes_left === null || status === 'completed' ? [] : [words.minutesLeft(minutes_left)];
     this.says.textContent = [words.stepOf(Math.min(place + 1, total), total), ...left].join(' · ');

@@ -23,7 +23,7 @@ export function taskPicture(setup: Setup, study: Study): { node: HTMLElement; dr
   );
   const node = element('figure', { class: 'task-picture' }, element('div', { class: 'stage' }, back, front), legend);
   const draw = () => {
-    const stage = new Stage(back, front);
+    const stage = new Stage(back, front, words.flight);
     const opening = deck.core.begin(unassisted(setup, SEED));
     stage.show(opening.scene, opening.pilot_goal, SEED, opening.ticks_per_second);
     const paint = () => {
