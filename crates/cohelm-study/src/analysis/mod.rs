@@ -9,7 +9,7 @@ mod outcome;
 mod quantity;
 mod time;
 
-pub use course::{Learning, OrderEffect, learning, order_effect};
+pub use course::{Learning, OrderEffect, Stretch, learning, order_effect};
 pub use outcome::Outcome;
 pub use quantity::{Quantity, Source};
 pub use time::{Calibration, Ribbon, calibrations, ribbons};

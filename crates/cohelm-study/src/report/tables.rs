@@ -7,7 +7,7 @@ use crate::statistics::{PairOfConditions, Table, describe};
 use crate::text::Text;
 
 /// Mean with 95 % interval, standard deviation, median, quartiles and interquartile mean of a measure in each condition.
-pub fn summary(measure: &Measure, table: &Table) -> Printed {
+pub fn summary(measure: &Measure<'_>, table: &Table) -> Printed {
     let heads =
         ["Mode", "n", "Mean", "95\u{202f}% interval", "SD", "Median", "Quartiles", "IQM"].map(Text::from);
     let mut rows = Vec::new();
@@ -41,7 +41,7 @@ pub fn summary(measure: &Measure, table: &Table) -> Printed {
 }
 
 /// Differences between conditions, tested within participants.
-pub fn pairs(measure: &Measure, compared: &[PairOfConditions]) -> Printed {
+pub fn pairs(measure: &Measure<'_>, compared: &[PairOfConditions]) -> Printed {
     let equivalence = compared.iter().any(|c| c.equivalence.is_some());
     let mut heads = ["Modes", "Difference", "95\u{202f}% interval"].map(Text::from).to_vec();
     heads.extend([
@@ -88,7 +88,7 @@ pub fn pairs(measure: &Measure, compared: &[PairOfConditions]) -> Printed {
     }
 }
 
-fn differences(measure: &Measure, pair: &PairOfConditions) -> [Text; 4] {
+fn differences(measure: &Measure<'_>, pair: &PairOfConditions) -> [Text; 4] {
     match &pair.t {
         Ok(t) => [
             Text::from(measure.difference(t.mean_difference)),
@@ -105,7 +105,7 @@ fn columns(heads: impl IntoIterator<Item = Text>) -> Vec<(Text, Align)> {
     heads.into_iter().enumerate().map(|(i, head)| (head, align(i))).collect()
 }
 
-fn ends(measure: &Measure, low: f64, high: f64) -> String {
+fn ends(measure: &Measure<'_>, low: f64, high: f64) -> String {
     format!("[{}, {}]", measure.write(low), measure.write(high))
 }
 

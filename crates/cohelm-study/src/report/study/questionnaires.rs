@@ -1,0 +1,109 @@
+//! What was asked after the modes: each item as the paper's Table I has it, and the scores compared.
+
+use super::{Study, primary, push_figure, words};
+use crate::analysis::{Outcome, Source};
+use crate::apa;
+use crate::design::AnswerKind;
+use crate::figures::{BoxPlot, Heading};
+use crate::questionnaires::{self, Questionnaire};
+use crate::report::{Align, Block, Document, Table, tables};
+use crate::statistics::describe;
+use crate::text::Text;
+
+pub(super) fn write(study: &Study<'_>, document: &mut Document) {
+    let design = &study.data.design;
+    let mut asked: Vec<&str> = Vec::new();
+    for name in design.conditions.iter().flat_map(|c| &c.questionnaires).chain(&design.end_questionnaires) {
+        if !asked.contains(&name.as_str()) {
+            asked.push(name);
+        }
+    }
+    if asked.is_empty() {
+        return;
+    }
+    document.push(Block::heading("Questionnaires"));
+    for questionnaire in asked.into_iter().filter_map(|name| questionnaires::find(design, name)) {
+        one(study, questionnaire, document);
+    }
+}
+
+fn one(study: &Study<'_>, questionnaire: &Questionnaire, document: &mut Document) {
+    document.push(Block::subheading(questionnaire.title.read("en", study.data.design.first_language())));
+    let source = questionnaire.source.as_deref().unwrap_or("Made for this study.");
+    document.push(Block::paragraph(Text::new().code(questionnaire.name.clone()).plain(format!(" {source}"))));
+    let answered = study.data.answers.iter().any(|answer| is_about(study, answer, questionnaire) && !answer.value.is_null());
+    if !answered {
+        document.push(Block::paragraph(if study.data.simulated() {
+            "Nobody answered it: simulated participants have no opinions, and none was invented for them."
+        } else {
+            "Nobody who is analysed answered it."
+        }));
+        return;
+    }
+    document.push(Block::Table(items(study, questionnaire)));
+    let of_it = |outcome: &&Outcome| {
+        matches!(&outcome.quantity.source, Source::Score { instrument, .. } if *instrument == questionnaire.name)
+    };
+    let alpha = study.data.design.primary.alpha;
+    let scores: Vec<&Outcome> = study.analysis.exploratory.iter().filter(of_it).collect();
+    for outcome in &scores {
+        document.push(Block::paragraph(words::difference(outcome, alpha).plain(" ").then(words::friedman(outcome))));
+    }
+    for outcome in scores.iter().filter(|outcome| outcome.quantity.key.ends_with("/overall")) {
+        let measure = outcome.quantity.measure();
+        let boxes = BoxPlot {
+            heading: Heading::new(measure.title(), primary::box_subtitle(study)),
+            axis: outcome.quantity.axis(),
+            participants: outcome.participants.clone(),
+            conditions: study.looks_of(&outcome.conditions),
+            values: outcome.values.clone(),
+        };
+        let file = format!("{}-boxes", questionnaire.name);
+        push_figure(document, boxes.figure(), format!("The score {}; every point is a participant.", measure.name), &file);
+        document.push(Block::Table(tables::pairs(&measure, &outcome.pairs)));
+    }
+}
+
+fn is_about(study: &Study<'_>, answer: &crate::dataset::Answer, questionnaire: &Questionnaire) -> bool {
+    answer.step.rsplit('/').next() == Some(questionnaire.name.as_str())
+        && answer.step.contains("questionnaire/")
+        && study.data.left_out(answer.participant).is_none()
+}
+
+/// A row an item, a column a mode (or "at the end"): mean and standard deviation of the answers as given.
+fn items(study: &Study<'_>, questionnaire: &Questionnaire) -> Table {
+    let mut places: Vec<Option<usize>> = Vec::new();
+    for answer in study.data.answers.iter().filter(|answer| is_about(study, answer, questionnaire)) {
+        if !places.contains(&answer.condition) {
+            places.push(answer.condition);
+        }
+    }
+    places.sort_unstable();
+    let name = |place: &Option<usize>| place.map_or("At the end", |condition| study.name(condition)).to_owned();
+    let language = study.data.design.first_language();
+    let cell = |item: &str, place: &Option<usize>| {
+        let answers = study.data.answers.iter().filter(|a| is_about(study, a, questionnaire));
+        let given: Vec<f64> = answers
+            .filter(|answer| answer.item == item && answer.condition == *place)
+            .filter_map(|answer| answer.value.as_f64())
+            .collect();
+        let summary = describe(&given).ok()?;
+        let sd = summary.sd.map_or_else(|| "–".to_owned(), |sd| apa::number(sd, 1));
+        Some(format!("{} ({sd})", apa::number(summary.mean, 1)))
+    };
+    let scales = questionnaire.items.iter().filter(|item| matches!(item.answer, AnswerKind::Scale(_)));
+    let row = |item: &crate::design::Item| {
+        let text = item.text.read("en", language).replace("**", "");
+        let text = if item.reversed { format!("{text} (reversed)") } else { text };
+        let cells = places.iter().map(|place| Text::from(cell(&item.id, place).unwrap_or_else(|| "–".to_owned())));
+        std::iter::once(Text::from(text)).chain(cells).collect()
+    };
+    Table {
+        caption: Text::from("Answers: mean (standard deviation) over those who answered."),
+        columns: std::iter::once((Text::from("Item"), Align::Left))
+            .chain(places.iter().map(|place| (Text::from(name(place)), Align::Right)))
+            .collect(),
+        rows: scales.map(row).collect(),
+        notes: vec![Text::from("As answered: reversed items are not turned round here, only in the scores.")],
+    }
+}
