@@ -10,6 +10,8 @@ import { connection, menu } from './people';
 import type { Desk, DeskView } from './place';
 import { ago, clock, eventWords, stepWords } from './says';
 
+/** Steps that ask for answers. */
+const FORMS = /^demographics$|(^|\/)questionnaire\//;
 /** How many flights of one person are listed. */
 const MOST_EPISODES = 1000;
 
@@ -140,7 +142,8 @@ export function outcome(episode: DeskEpisode): HTMLElement {
 export function answersTable(events: Logged[]): HTMLElement {
   const forms = events.flatMap((event) => {
     const data = event['data'];
-    if (event.event !== 'step-done' || typeof data !== 'object' || data === null) return [];
+    if (event.event !== 'step-done' || !FORMS.test(String(event['step']))) return [];
+    if (typeof data !== 'object' || data === null) return [];
     const values = Object.values(answersOf(data as Record<string, unknown>));
     return values.length === 0 ? [] : [{ event, values }];
   });
