@@ -28,6 +28,8 @@ export class PeopleView implements DeskView {
   private readonly filter: Filter = { code: '', status: 'all', others: true };
   private readonly body = element('div', { class: 'body' });
   private readonly count = element('span', { class: 'note' });
+  /** Lines that were made, by participant, and of what: with hundreds of rows few change at a time. */
+  private readonly lines = new Map<number, { of: string; line: HTMLElement }>();
   private readonly deaf: () => void;
 
   constructor(private readonly desk: Desk) {
@@ -81,11 +83,20 @@ export class PeopleView implements DeskView {
       this.body,
       table(
         HEADS,
-        shown.map((row) => this.line(row)),
+        shown.map((row) => this.lineOf(row)),
         empty,
         { class: 'people-table' },
       ),
     );
+  }
+
+  private lineOf(row: Row): HTMLElement {
+    const of = JSON.stringify([row, row.last_seen_ms === null ? '' : ago(row.last_seen_ms, Date.now())]);
+    const known = this.lines.get(row.id);
+    if (known?.of === of) return known.line;
+    const line = this.line(row);
+    this.lines.set(row.id, { of, line });
+    return line;
   }
 
   private line(row: Row): HTMLElement {
