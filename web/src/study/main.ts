@@ -7,7 +7,7 @@ import { Deck, Keeper, type FlightShow } from '../../jspsych-cohelm/src';
 import { element } from '../dom';
 import { Frame, showState } from './frame';
 import { KeyChoice } from './keychoice';
-import { refreshRate } from './pace';
+import { refreshRate } from './refresh';
 import { Place, SessionClosed, type Closed } from './place';
 import type { Session } from './steps';
 import type { Study } from './study';
