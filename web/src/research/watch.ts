@@ -8,6 +8,7 @@ import { Stage } from '../stage';
 import { ENDING_WORDS, reasonOf, RULE_NAMES, sentence } from '../words';
 import { kindBadges } from './bits';
 import { Following } from './following';
+import { AT_THE_DESK } from './panel';
 import type { Desk, DeskView } from './place';
 import { Playback } from './playback';
 import { stepWords } from './says';
@@ -22,7 +23,7 @@ export class WatchView implements DeskView {
   private readonly back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
   private readonly title = element('div', { class: 'title' });
   private readonly live = element('div', { class: 'live', role: 'status' });
-  private readonly stage = new Stage(this.back, this.canvas);
+  private readonly stage = new Stage(this.back, this.canvas, AT_THE_DESK);
   private readonly deaf: () => void;
   private socket: WebSocket | null = null;
   private flight: { key: string; following: Following; playback: Playback; noted: number; over: boolean } | null = null;
