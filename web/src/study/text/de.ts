@@ -23,14 +23,15 @@ export const de: Words = {
   minutesLeft: (minutes) =>
     minutes < 1.5 ? 'noch etwa eine Minute' : `noch etwa ${count(Math.round(minutes), 'Minute', 'Minuten')}`,
   connected: 'Verbunden',
-  offline: 'Keine Verbindung: nichts geht verloren, es wird später gesendet',
+  offline: 'Keine Verbindung',
+  offlineText: 'Nichts geht verloren: Es wird gesendet, sobald es wieder eine Verbindung gibt.',
   goOn: 'Weiter',
   back: 'Zurück',
   next: 'Weiter',
   askUs: (contact) => `Fragen? Schreiben Sie an ${contact}.`,
 
   withdraw: {
-    open: 'Abbrechen',
+    open: 'Teilnahme beenden',
     title: 'Die Teilnahme zurückziehen?',
     text: 'Sie können jederzeit aufhören und müssen keinen Grund nennen. Wenn Sie sich zurückziehen, wird alles gelöscht, was in dieser Studie von Ihnen aufgezeichnet wurde. Das lässt sich nicht rückgängig machen.',
     pause:
@@ -44,7 +45,7 @@ export const de: Words = {
     title: 'Teilnahme an dieser Studie',
     minutes: (minutes) => `Sie dauert etwa ${count(Math.round(minutes), 'Minute', 'Minuten')}.`,
     version: (version) => `Fassung ${version} dieses Textes.`,
-    leave: 'Mit „Abbrechen“ oben auf der Seite können Sie jederzeit aufhören; Ihre Daten werden dann gelöscht.',
+    leave: 'Mit „Teilnahme beenden“ oben auf der Seite können Sie jederzeit aufhören; Ihre Daten werden dann gelöscht.',
     agree: 'Ich habe dies gelesen und verstanden und nehme freiwillig teil.',
     start: 'Teilnehmen',
     decline: 'Ich nehme nicht teil',

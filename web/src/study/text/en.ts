@@ -21,7 +21,8 @@ export const en = {
   minutesLeft: (minutes: number) =>
     minutes < 1.5 ? 'about a minute left' : `about ${count(Math.round(minutes), 'minute', 'minutes')} left`,
   connected: 'Connected',
-  offline: 'No connection: nothing is lost, it is sent later',
+  offline: 'No connection',
+  offlineText: 'Nothing is lost: it is sent as soon as there is a connection again.',
   goOn: 'Continue',
   back: 'Back',
   next: 'Next',
