@@ -302,7 +302,7 @@ async fn models_are_listed_with_their_cards_and_given_as_their_bytes() {
     disk.store.commit(&[keep]).await.unwrap();
     let store: Arc<dyn Store> = disk.store.clone();
     let (hosts, assets) = (Hosts::loopback(), Assets::of(FILES));
-    let parts = Parts { store, plants: plants(), models, lessons: None, hosts, assets };
+    let parts = Parts { store, plants: plants(), models, lessons: None, hosts, assets, study: None };
     let app = app(Server::start(parts).await.unwrap());
     let list = get(&app, "/api/models").await.json();
     let rows = list["models"].as_array().unwrap();
