@@ -126,7 +126,7 @@ async fn page(State(server): State<Server>, method: Method, uri: Uri, headers: H
 fn file_of<'a>(server: &Server, path: &'a str) -> &'a str {
     match path {
         "/study" => "/study.html",
-        "/research" => "/research.html",
+        "/desk" => "/research.html",
         "/" if server.study().is_some() => "/welcome.html",
         other => other,
     }

@@ -3,12 +3,13 @@
 use super::join::{invite, relink};
 use super::page::erase;
 use super::people::Seen;
+use super::flights::condition_name;
 use super::rows::Row;
 use super::run::Study;
 use crate::app::{OfStudy, Problem};
 use crate::cookies::Cookie;
 use crate::server::Server;
-use crate::store::{ParticipantId, now_ms};
+use crate::store::{Episode, EpisodeId, Page, ParticipantId, now_ms};
 use axum::Json;
 use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -20,7 +21,7 @@ use cohelm_study::session::{Event, Status};
 use futures_util::{Stream, stream};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::convert::Infallible;
 use std::time::Duration;
 
@@ -28,6 +29,9 @@ use std::time::Duration;
 const BY: &str = "researcher";
 /// Most characters of a note or reason.
 const MAX_WORDS: usize = 2_000;
+/// Flights of a list unless another number is asked for, and at most.
+const USUAL_LIMIT: u32 = 50;
+const MOST_LIMIT: u32 = 1_000;
 /// Least time between two pieces of news: more frequent ones only make the page ask more often.
 const NEWS_EVERY: Duration = Duration::from_millis(500);
 
@@ -78,6 +82,7 @@ pub async fn study(OfStudy(study): OfStudy) -> Result<Json<Value>, Problem> {
         "counts": counts,
         "tests": all.iter().filter(|seen| seen.session.is_test()).count(),
         "simulated": all.iter().filter(|seen| seen.session.is_simulated()).count(),
+        "rows": in_words(design),
         "conditions": conditions(design),
         "order": design.order,
         "primary": { "measure": design.primary.measure, "hypothesis": design.primary.hypothesis },
@@ -87,6 +92,31 @@ pub async fn study(OfStudy(study): OfStudy) -> Result<Json<Value>, Problem> {
         "cohelm": env!("CARGO_PKG_VERSION"),
         "server_ms": now_ms(),
     })))
+}
+
+/// The design as pairs of a name and what it is.
+fn in_words(design: &Design) -> Vec<(String, String)> {
+    let task = &design.task;
+    let mut rows = vec![(
+        "Flown".to_owned(),
+        format!("{} with {}, at {} of real time", task.task.plant, task.task.options, task.time_scale),
+    )];
+    rows.extend(design.conditions.iter().map(|condition| {
+        let (practice, measured) = (condition.practice_episodes, condition.measured_episodes);
+        let asked = match condition.questionnaires.as_slice() {
+            [] => String::new(),
+            asked => format!(", then {}", asked.join(", ")),
+        };
+        let flights = format!("{practice} flights of practice, {measured} measured{asked}");
+        let learning = if condition.learning { ", learning" } else { "" };
+        let words = format!("rule {}{learning}; {flights}", condition.rule.word());
+        (format!("Condition {}", condition.name), words)
+    }));
+    let order = json!(design.order).as_str().unwrap_or_default().to_owned();
+    rows.push(("Order".to_owned(), order));
+    rows.push(("Primary outcome".to_owned(), design.primary.measure.clone()));
+    rows.extend(design.primary.hypothesis.iter().map(|said| ("Hypothesis".to_owned(), said.clone())));
+    rows
 }
 
 fn conditions(design: &Design) -> Vec<Value> {
@@ -114,10 +144,13 @@ fn in_cells(design: &Design, all: &[Seen]) -> Vec<Value> {
     };
     let (people, simulated) = (of(false), of(true));
     let name = |&index: &usize| design.conditions[index].name.as_str();
+    let (all_planned, orders) = (design.planned_participants as usize, cells(design).len().max(1));
+    let planned = |cell: usize| all_planned / orders + usize::from(cell < all_planned % orders);
     let about = |(cell, order): (usize, Vec<usize>)| {
         json!({
             "cell": cell,
             "order": order.iter().map(name).collect::<Vec<_>>(),
+            "planned": planned(cell),
             "finished": people[cell].finished,
             "in_progress": people[cell].in_progress,
             "simulated_finished": simulated[cell].finished,
@@ -243,31 +276,52 @@ pub async fn log(
     Ok(Json(json!({ "id": id, "code": met.row.code, "events": met.log })))
 }
 
-/// Whose flights.
+/// Which flights.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Of {
-    participant: ParticipantId,
+pub struct Which {
+    participant: Option<ParticipantId>,
+    before: Option<i64>,
+    limit: Option<u32>,
 }
 
-/// A participant's flights, in the order in which they began, with their steps and conditions.
+/// Flights, the newest first, with their steps and conditions; of one participant if one is named. `next` is what to
+/// ask for as `before`.
 pub async fn episodes(
     State(server): State<Server>,
     OfStudy(study): OfStudy,
-    Query(Of { participant }): Query<Of>,
+    Query(Which { participant, before, limit }): Query<Which>,
 ) -> Result<Json<Value>, Problem> {
-    let met = study.people().meet(participant).await?;
-    let seen = Seen { row: met.row.clone(), edition: met.edition.clone(), session: met.session.clone() };
-    drop(met);
-    let trials = server.store().trials(participant).await.map_err(|error| Problem::paused(&error))?;
-    let about = |episode: &crate::store::Episode| {
-        let step = episode.trial.as_ref().map(|trial| trial.step.as_str()).unwrap_or_default();
-        let mut about = json!(episode);
-        about["step"] = step.into();
-        about["condition"] = super::flights::condition_name(&seen, step).into();
-        about
+    let limit = limit.unwrap_or(USUAL_LIMIT).clamp(1, MOST_LIMIT);
+    let paused = |error| Problem::paused(&error);
+    let before = before.map(EpisodeId);
+    // One more than asked for tells whether others follow.
+    let mut rows = match participant {
+        Some(id) => {
+            drop(study.people().meet(id).await?);
+            let trials = server.store().trials(id).await.map_err(paused)?;
+            let wanted = trials.into_iter().rev().filter(|row| before.is_none_or(|before| row.id < before));
+            wanted.take(limit as usize + 1).collect()
+        }
+        None => server.store().episodes(Page { before, limit: limit + 1 }).await.map_err(paused)?,
     };
-    Ok(Json(json!({ "episodes": trials.iter().map(about).collect::<Vec<_>>() })))
+    let more = rows.len() > limit as usize;
+    rows.truncate(limit as usize);
+    let next = if more { rows.last().map(|row| row.id) } else { None };
+    let people: HashMap<_, _> = study.people().all(&study.edition().hash).await?.into_iter().map(|seen| (seen.row.id, seen)).collect();
+    let rows: Vec<Value> = rows.iter().map(|row| about(row, &people)).collect();
+    Ok(Json(json!({ "episodes": rows, "next": next })))
+}
+
+fn about(episode: &Episode, people: &HashMap<ParticipantId, Seen>) -> Value {
+    let mut about = json!(episode);
+    let trial = episode.trial.as_ref();
+    let seen = trial.and_then(|trial| people.get(&trial.participant));
+    about["participant"] = json!(trial.map(|trial| trial.participant));
+    about["code"] = json!(seen.map(|seen| &seen.row.code));
+    about["step"] = json!(trial.map(|trial| &trial.step));
+    about["condition"] = json!(trial.zip(seen).and_then(|(trial, seen)| condition_name(seen, &trial.step)));
+    about
 }
 
 /// Word of every change, as server-sent events: `{"participants":[…], "all": false}`, ids only.
@@ -281,15 +335,15 @@ pub async fn news(
         let closing = closing.clone();
         async move {
             if is_first {
-                let hello = NewsEvent::default().event("hello").data("{}");
-                return Some((Ok(hello), (news, false)));
+                // So that the answer begins, and the page knows that it listens.
+                return Some((Ok(NewsEvent::default().comment("news follow")), (news, false)));
             }
             tokio::time::sleep(NEWS_EVERY).await;
             let changed = tokio::select! {
                 changed = news.next() => changed?,
                 () = closing.cancelled() => return None,
             };
-            let event = NewsEvent::default().event("changed").data(json!(changed).to_string());
+            let event = NewsEvent::default().data(json!(changed).to_string());
             Some((Ok(event), (news, false)))
         }
     });

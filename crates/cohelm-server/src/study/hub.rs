@@ -39,7 +39,7 @@ pub struct Marker {
     pub episode: Option<i64>,
     /// At which of its ticks.
     pub tick: Option<u32>,
-    /// What to add to the participant's page's clock to get this machine's, milliseconds.
+    /// The clock of the participant's page minus this machine's, milliseconds, as the page measured it.
     pub clock_offset_ms: Option<f64>,
 }
 

@@ -102,8 +102,16 @@ pub async fn answer(
     if consents && met.session.assignment().is_none() {
         events.push(assigned(&met, &others)?);
     }
+    let wrong = events.iter().find_map(|event| match event {
+        Event::QuizMissed { wrong } => Some(wrong.clone()),
+        _ => None,
+    });
     let (met, _) = study.people().write(met, Vec::new(), events).await?;
-    Ok(Json(shown(&server, &study, &met).await?))
+    let mut session = shown(&server, &study, &met).await?;
+    if let Some(wrong) = wrong {
+        session["wrong"] = json!(wrong);
+    }
+    Ok(Json(session))
 }
 
 /// The order in which the participant flies the conditions, given how far the others are.

@@ -4,7 +4,7 @@ use super::flights::condition_name;
 use super::people::Seen;
 use super::run::Study;
 use crate::store::ParticipantId;
-use cohelm_study::session::{FlightState, Session, Status};
+use cohelm_study::session::{FlightState, Remark, Session, Status};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -32,13 +32,14 @@ pub struct Row {
     minutes: Option<f64>,
     minutes_left: f64,
     flights: usize,
-    late_ticks: Vec<Option<f64>>,
+    late_ticks: Vec<f64>,
     interruptions: u32,
     refused: u32,
     endings: BTreeMap<&'static str, u32>,
     failed_checks: usize,
     breaches: Vec<String>,
-    notes: Vec<cohelm_study::session::Remark>,
+    notes: usize,
+    remarks: Vec<Remark>,
     panel: BTreeMap<String, String>,
 }
 
@@ -80,14 +81,15 @@ impl Row {
             in_air: presence.in_air,
             minutes: minutes(session),
             minutes_left: session.minutes_left(design),
-            late_ticks: flights.iter().map(|flight| late_share(flight)).collect(),
+            late_ticks: flights.iter().filter_map(|flight| late_share(flight)).collect(),
             interruptions: flights.iter().map(|flight| flight.interruptions).sum(),
             refused: flights.iter().map(|flight| flight.attempt.saturating_sub(1)).sum(),
             endings: endings(&flights),
             flights: flights.iter().filter(|flight| flight.ended.is_some()).count(),
             failed_checks: session.failed_checks(design),
             breaches: session.breaches(design).iter().map(|breach| breach.words()).collect(),
-            notes: session.remarks().to_vec(),
+            notes: session.remarks().len(),
+            remarks: session.remarks().to_vec(),
             panel: session.panel().clone(),
         }
     }

@@ -125,7 +125,7 @@ impl Study {
         }
     }
 
-    /// What to add to the page's clock to get this machine's, milliseconds, if the page said so.
+    /// The page's clock minus this machine's, milliseconds, if the page said so.
     pub fn clock(&self, participant: ParticipantId) -> Option<f64> {
         lock(&self.clocks).get(&participant).copied()
     }
