@@ -17,6 +17,8 @@ export interface DeckOptions {
   place?: string | null;
   /** Where the flight in the air is kept. */
   keeper?: Keeper;
+  /** Names this tab to a server that lets one tab fly at a time. */
+  tab?: string;
   /** The connection came or went. */
   connected?: (connected: boolean) => void;
   /** Another tab of the same participant took over. */
@@ -36,6 +38,7 @@ export class Deck {
   ) {
     this.keeper = options.keeper ?? new Keeper();
     const address = new URL(`${options.server ?? location.origin}/ws`);
+    if (options.tab !== undefined) address.searchParams.set('tab', options.tab);
     address.protocol = address.protocol === 'https:' ? 'wss:' : 'ws:';
     this.link = new Link(
       address.href,

@@ -49,10 +49,19 @@ export interface Plan {
 /** What happens on the way; a study notes it. */
 export interface PlanEvents {
   begun?(): void;
-  interrupted?(tick: number, reason: string): void;
-  resumed?(tick: number, source: Source, awayMs: number): void;
+  resumed?(back: ComeBack): void;
   /** The flight came into the air, or left it. */
   inTheAir?(flying: boolean): void;
+}
+
+/** A flight that goes on after an interruption. */
+export interface ComeBack {
+  /** Ticks flown before. */
+  tick: number;
+  /** Why it was interrupted, as far as that was seen. */
+  reason: string;
+  source: Source;
+  awayMs: number;
 }
 
 /** A flight that was flown. */
@@ -121,7 +130,7 @@ export class FlightShow {
   /** Lets go of everything; a flight in the air is kept and goes on later. */
   dispose(): void {
     if (this.over) return;
-    this.keep();
+    this.keep('another-tab');
     this.deck.link.forget();
     this.letGo();
   }
@@ -164,7 +173,13 @@ export class FlightShow {
       this.begunAt = kept?.begunAt ?? Date.now();
       this.makeReady(from !== null, kept?.measured);
       if (from === null) this.showReady();
-      else this.goOn(from.log, from.source, Date.now() - (kept?.keptAt ?? Date.now()));
+      else
+        this.goOn(from.log, {
+          tick: from.log.ticks,
+          reason: kept?.left ?? 'page-lost',
+          source: from.source,
+          awayMs: Math.max(Math.round(Date.now() - (kept?.keptAt ?? Date.now())), 0),
+        });
     } catch (error) {
       await this.failed(error);
     }
@@ -198,7 +213,7 @@ export class FlightShow {
   }
 
   /** Flies the log again and waits for the person. */
-  private goOn(log: KeyLog, source: Source, awayMs: number): void {
+  private goOn(log: KeyLog, back: ComeBack): void {
     const run = this.run!;
     this.deck.link.begin(this.plan.setup, { key: fromHex(this.key), begunAt: this.begunAt });
     run.goOnFrom(log);
@@ -216,8 +231,8 @@ export class FlightShow {
           primary: true,
           press: () =>
             this.countDown(() => {
-              run.meter.cameBack(awayMs);
-              events.resumed?.(log.ticks, source, Math.max(Math.round(awayMs), 0));
+              run.meter.cameBack(back.awayMs);
+              events.resumed?.(back);
               this.start();
             }),
         },
@@ -243,14 +258,19 @@ export class FlightShow {
       'ready',
       heading === '' ? words.ready : heading,
       [element('p', {}, words.task), keys],
-      [{ label: words.start, key: '⏎', primary: true, press: () => this.countDown(() => this.takeOff()) }],
+      [{ label: words.start, key: '⏎', primary: true, press: () => this.begin() }],
     );
+  }
+
+  /** The server hears of it before the countdown, so that what is said of the flight is there when its log comes. */
+  private begin(): void {
+    this.plan.events.begun?.();
+    this.countDown(() => this.takeOff());
   }
 
   private takeOff(): void {
     this.begunAt = Date.now();
     this.deck.link.begin(this.plan.setup, { key: fromHex(this.key), begunAt: this.begunAt });
-    this.plan.events.begun?.();
     this.start();
   }
 
@@ -317,25 +337,25 @@ export class FlightShow {
     this.keep();
   }
 
-  private keep(): void {
+  private keep(left?: string): void {
     const { run } = this;
     if (run === null || this.over || this.isLeft || run.ticks === 0) return;
     try {
       const [log, measured] = [run.log(), run.measured()];
-      this.deck.keeper.keep(this.key, { ...log, begunAt: this.begunAt, keptAt: Date.now(), measured });
+      const why = left === undefined ? {} : { left };
+      this.deck.keeper.keep(this.key, { ...log, begunAt: this.begunAt, keptAt: Date.now(), ...why, measured });
     } catch {
       // The loop stopped; what was kept of the flight a moment ago is what it goes on from.
     }
   }
 
-  /** The page is being left: the last ticks are kept, and the server is told if it can be. */
+  /** The page is being left: the last ticks are kept. The server hears of it when the flight goes on. */
   private leave(): void {
     const { run } = this;
     if (run === null || run.isReady || run.isOver) return;
-    this.keep();
+    this.keep('page-left');
     this.isLeft = true;
     this.hold();
-    this.plan.events.interrupted?.(run.ticks, 'page-left');
   }
 
   private async ended(summary: FlightSummary): Promise<void> {

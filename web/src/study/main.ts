@@ -51,6 +51,7 @@ class Page {
     this.deck = await Deck.open({
       place: null,
       keeper: new Keeper(),
+      tab: this.place.tab,
       connected: (connected) => this.frame.connected(connected),
       takenOver: () => this.place.close('taken-over'),
     });
@@ -71,12 +72,17 @@ class Page {
 
   /** Says how the study ended, if nothing of it remains. */
   private hasEnded(): boolean {
-    const { status, steps } = this.place.session;
+    const { status, steps, return_address } = this.place.session;
     if (steps.length > 0) return false;
     const how = status === 'declined' || status === 'withdrawn' || status === 'excluded' ? status : 'completed';
     this.frame.end();
     this.deck?.link.close();
-    showState(this.frame.main, how, this.words.states[how]);
+    const { words } = this;
+    if (return_address == null) showState(this.frame.main, how, words.states[how]);
+    else {
+      const state = { ...words.states[how], again: words.states.back };
+      showState(this.frame.main, how, state, () => location.assign(return_address));
+    }
     return true;
   }
 

@@ -158,6 +158,7 @@ export const de: Words = {
   },
 
   states: {
+    back: 'Zurück zum Anbieter',
     opening: { title: 'Einen Moment', text: 'Die Studie wird geöffnet.' },
     nobody: {
       title: 'Diese Seite braucht Ihren Link',

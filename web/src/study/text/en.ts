@@ -155,6 +155,7 @@ export const en = {
   },
 
   states: {
+    back: 'Back to where you came from',
     opening: { title: 'One moment', text: 'The study opens.' },
     nobody: {
       title: 'This page needs your link',
