@@ -338,3 +338,6 @@ impl Session {
             .filter_map(|step| Some((step, self.done.get(&step.id)?)))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,9 +3,9 @@
 use super::setups::{Unresolved, flight_key, setup};
 use super::{BlockPlace, FlightPlace, Step, StepKind};
 use crate::design::catalogue::Resolved;
-use crate::design::defaults;
 use crate::design::schedule::Assignment;
 use crate::design::{AnswerKind, Choice, Design, Feedback, Item, Picture, Scale, Words};
+use crate::design::{defaults, estimate};
 use crate::questionnaires;
 use cohelm::plant::Ending;
 use cohelm::trajectory::Setup;
@@ -50,7 +50,7 @@ pub enum ShownContent {
         version: String,
         /// Restricted Markdown.
         text: String,
-        /// How long the study takes, in minutes, if it is said.
+        /// How long the study takes, in minutes.
         minutes: Option<f64>,
         /// Whom to ask.
         contact: String,
@@ -331,7 +331,7 @@ impl Show<'_> {
         ShownContent::Consent {
             version: consent.version.clone(),
             text: self.read(&consent.text),
-            minutes: consent.minutes,
+            minutes: consent.minutes.or_else(|| Some(estimate::minutes_to_tell(self.design))),
             contact: self.design.contact.clone(),
         }
     }
