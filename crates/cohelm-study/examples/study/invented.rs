@@ -93,7 +93,12 @@ fn add_person(dataset: &mut Dataset, draw: &mut Draw, progress: Progress, exclud
     }
 }
 
-fn fly(dataset: &mut Dataset, draw: &mut Draw, (participant, block, condition): (usize, usize, usize), skill: f64) {
+fn fly(
+    dataset: &mut Dataset,
+    draw: &mut Draw,
+    (participant, block, condition): (usize, usize, usize),
+    skill: f64,
+) {
     let plan = &dataset.design.conditions[condition];
     let flights = (1..=plan.practice_episodes).map(|n| (true, n));
     let flights: Vec<(bool, u32)> = flights.chain((1..=plan.measured_episodes).map(|n| (false, n))).collect();
@@ -180,7 +185,11 @@ fn parts(draw: &mut Draw, ticks: f64, replaced: f64) -> Vec<Part> {
         Part {
             ticks: ticks as u32,
             commands: commands as u32,
-            as_asked: if replaced == 0.0 { commands as u32 } else { (commands * kept.clamp(0.0, 1.0)).round() as u32 },
+            as_asked: if replaced == 0.0 {
+                commands as u32
+            } else {
+                (commands * kept.clamp(0.0, 1.0)).round() as u32
+            },
             goal_right: (ticks * right.clamp(0.0, 1.0)).round() as u32,
             confidence: ticks * 0.7,
         }

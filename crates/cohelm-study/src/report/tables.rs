@@ -1,9 +1,10 @@
 //! The tables that every report of a measure needs: its numbers in each condition, and the conditions compared.
 
 use super::{Align, Table as Printed};
+use crate::analysis::Outcome;
 use crate::apa;
 use crate::measures::Measure;
-use crate::statistics::{PairOfConditions, Table, describe};
+use crate::statistics::{PairOfConditions, Table, Undefined, describe};
 use crate::text::Text;
 
 /// Mean with 95 % interval, standard deviation, median, quartiles and interquartile mean of a measure in each condition.
@@ -98,6 +99,80 @@ fn differences(measure: &Measure<'_>, pair: &PairOfConditions) -> [Text; 4] {
         ],
         Err(_) => [dash(), dash(), dash(), dash()].map(Text::from),
     }
+}
+
+/// A row an outcome: is there any difference between the conditions, by three tests.
+pub fn any_difference(outcomes: &[&Outcome], caption: &str) -> Printed {
+    let one = |letter: &str| Text::new().em(letter);
+    let heads = vec![
+        Text::from("Measure"),
+        Text::from("Modes"),
+        one("F").plain(" within"),
+        one("p"),
+        Text::from("η").lowered("p").raised("2"),
+        Text::from("Friedman χ").raised("2"),
+        one("p"),
+        one("F").plain(" one-way (the paper’s)"),
+        one("p"),
+    ];
+    let mut reasons: Vec<String> = Vec::new();
+    let rows = outcomes.iter().map(|outcome| difference_row(outcome, &mut reasons)).collect();
+    let mut notes = vec![Text::from(
+        "Within: repeated-measures ANOVA, degrees of freedom and p after Greenhouse and Geisser from three modes on. Friedman: \
+         needs three modes. One-way: takes the modes for different people. p values are not adjusted over the rows.",
+    )];
+    let numbered = |(i, why): (usize, &String)| {
+        Text::new().raised(letter(i)).plain(format!(" {}.", crate::text::capitalised(why)))
+    };
+    notes.extend(reasons.iter().enumerate().map(numbered));
+    Printed { caption: Text::from(caption), columns: columns(heads), rows, notes }
+}
+
+fn difference_row(outcome: &Outcome, reasons: &mut Vec<String>) -> Vec<Text> {
+    let mut row =
+        vec![Text::from(outcome.quantity.measure().title()), Text::from(outcome.names().len().to_string())];
+    let degrees = |a: f64, b: f64| {
+        let decimals = usize::from(a.fract() != 0.0 || b.fract() != 0.0);
+        format!("({},\u{a0}{})", apa::number(a, decimals), apa::number(b, decimals))
+    };
+    let ratio = |df: String, f: f64| Text::from(format!("{df}\u{a0}{}", apa::number(f, 2)));
+    match &outcome.anova {
+        Ok(test) => {
+            let epsilon = test.sphericity.as_ref().map_or(1.0, |s| s.epsilon);
+            let p = test.sphericity.as_ref().map_or(test.p, |s| s.p_corrected);
+            let df = degrees(epsilon * test.df_effect as f64, epsilon * test.df_error as f64);
+            row.extend([ratio(df, test.f), bare_p(p), Text::from(apa::fraction(test.partial_eta2, 2))]);
+        }
+        Err(why) => row.extend([footnote(why, reasons), Text::from(dash()), Text::from(dash())]),
+    }
+    match &outcome.friedman {
+        _ if outcome.names().len() == 2 => row.extend([dash(), dash()].map(Text::from)),
+        Ok(test) => row.extend([Text::from(apa::number(test.chi2, 2)), bare_p(test.p)]),
+        Err(why) => row.extend([footnote(why, reasons), Text::from(dash())]),
+    }
+    match &outcome.one_way {
+        Ok(test) => {
+            let df = degrees(test.df_between as f64, test.df_within as f64);
+            row.extend([ratio(df, test.f), bare_p(test.p)]);
+        }
+        Err(why) => row.extend([footnote(why, reasons), Text::from(dash())]),
+    }
+    row
+}
+
+/// A dash with a raised letter that leads to the reason below the table.
+fn footnote(why: &Undefined, reasons: &mut Vec<String>) -> Text {
+    let why = why.to_string();
+    let index = reasons.iter().position(|known| *known == why).unwrap_or_else(|| {
+        reasons.push(why);
+        reasons.len() - 1
+    });
+    Text::from(dash()).raised(letter(index))
+}
+
+/// a, b, c, …; beyond z the reasons share the last.
+fn letter(index: usize) -> String {
+    char::from(b'a' + index.min(25) as u8).to_string()
 }
 
 fn columns(heads: impl IntoIterator<Item = Text>) -> Vec<(Text, Align)> {

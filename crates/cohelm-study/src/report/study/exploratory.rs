@@ -2,7 +2,6 @@
 
 use super::{Study, primary, push_figure};
 use crate::analysis::{Outcome, Source};
-use crate::apa;
 use crate::figures::{BoxPlot, Heading};
 use crate::report::{Align, Block, Document, Table, tables};
 use crate::statistics::describe;
@@ -22,7 +21,8 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
          adjusted within a measure, not over measures. Take them for hints at what to test next.",
     ));
     document.push(Block::Table(means(study, &outcomes)));
-    document.push(Block::Table(tests(&outcomes)));
+    document
+        .push(Block::Table(tables::any_difference(&outcomes, "Is there any difference between the modes?")));
     for outcome in outcomes.iter().filter(|o| SHOWN.contains(&o.quantity.key.as_str()) && varies(o)) {
         let measure = outcome.quantity.measure();
         document.push(Block::subheading(measure.title()));
@@ -49,42 +49,28 @@ fn means(study: &Study<'_>, outcomes: &[&Outcome]) -> Table {
     let conditions = 0..study.data.design.conditions.len();
     let head = std::iter::once((Text::from("Measure"), Align::Left))
         .chain(conditions.clone().map(|c| (Text::from(study.name(c)), Align::Right)));
+    let people = study.data.analysed();
     let cell = |outcome: &Outcome, condition: usize| {
-        let column = outcome.conditions.iter().position(|&c| c == condition)?;
-        let values: Vec<f64> = outcome.values[column].iter().flatten().copied().collect();
+        let value = |person: &usize| outcome.quantity.value(study.data, *person, condition);
+        let values: Vec<f64> = people.iter().filter_map(value).collect();
         let (summary, measure) = (describe(&values).ok()?, outcome.quantity.measure());
+        let given = outcome.quantity.is_given(&study.data.design.conditions[condition]);
         let sd = summary.sd.map_or("–".to_owned(), |sd| measure.difference(sd));
-        Some(format!("{} ({sd})", measure.write(summary.mean)))
+        let mark = if given { "\u{a0}*" } else { "" };
+        Some(format!("{}\u{a0}({sd}){mark}", measure.write(summary.mean)))
     };
     let row = |outcome: &&Outcome| {
-        let cells = conditions.clone().map(|c| Text::from(cell(outcome, c).unwrap_or_else(|| "–".to_owned())));
+        let cells =
+            conditions.clone().map(|c| Text::from(cell(outcome, c).unwrap_or_else(|| "–".to_owned())));
         std::iter::once(Text::from(outcome.quantity.measure().title())).chain(cells).collect()
     };
     Table {
         caption: Text::from("Every other measure: mean over participants (standard deviation between them)."),
         columns: head.collect(),
         rows: outcomes.iter().map(row).collect(),
-        notes: vec![Text::from("Standard deviations of shares are in percentage points. –: no participant has a value.")],
-    }
-}
-
-fn tests(outcomes: &[&Outcome]) -> Table {
-    let heads = ["Measure", "Within participants", "Friedman", "One-way ANOVA (the paper’s)"];
-    let or_why = |tested: Result<Text, &crate::statistics::Undefined>| {
-        tested.unwrap_or_else(|why| Text::from(format!("– ({why})")))
-    };
-    let row = |outcome: &&Outcome| {
-        vec![
-            Text::from(outcome.quantity.measure().title()),
-            or_why(outcome.anova.as_ref().map(apa::repeated_measures)),
-            or_why(outcome.friedman.as_ref().map(apa::friedman)),
-            or_why(outcome.one_way.as_ref().map(apa::one_way)),
-        ]
-    };
-    Table {
-        caption: Text::from("Is there any difference between the modes?"),
-        columns: heads.into_iter().map(|head| (Text::from(head), Align::Left)).collect(),
-        rows: outcomes.iter().map(row).collect(),
-        notes: vec![Text::from("p values are not adjusted over the rows. –: no test exists, for the reason given.")],
+        notes: vec![Text::from(
+            "Standard deviations of shares are in percentage points. –: no participant has a value. *: so by construction \
+             (nobody intervenes under human alone; a goal that is told is always right), and in no test.",
+        )],
     }
 }

@@ -36,6 +36,7 @@ pub fn study_report(dataset: &Dataset, options: &Options) -> Document {
     if dataset.simulated() {
         document.push(Block::warning("Nobody took part: every participant is simulated", SIMULATED));
     }
+    document.blocks.extend(interim(dataset));
     primary::write(&study, &mut document);
     participants::write(&study, &mut document);
     plan::write(&study, &mut document);
@@ -44,6 +45,25 @@ pub fn study_report(dataset: &Dataset, options: &Options) -> Document {
     within::write(&study, &mut document);
     method(&study, options, &mut document);
     document
+}
+
+/// Fewest participants from which an interval by resampling means something.
+const FEW: usize = 8;
+
+/// What to keep in mind before the plan is fulfilled, or with few participants.
+fn interim(dataset: &Dataset) -> Option<Block> {
+    let (analysed, planned) = (dataset.analysed().len(), dataset.design.planned_participants as usize);
+    if analysed > 0 && analysed < planned {
+        let text = format!(
+            "{analysed} of the {planned} planned participants are analysed. Whoever looks now and then, and stops when p falls \
+             below the level, finds differences that are not there more often than that level says."
+        );
+        return Some(Block::note("An interim look", text));
+    }
+    (analysed > 0 && analysed < FEW).then(|| {
+        let text = "Intervals by resampling from so few people are too narrow, and a test finds only very large differences.";
+        Block::note("Few participants", text)
+    })
 }
 
 const SIMULATED: &str = "The flights were flown by models of pilots, to try the study and its analysis. Nothing below says \

@@ -11,12 +11,7 @@ use std::collections::BTreeMap;
 
 pub(super) fn write(study: &Study<'_>, document: &mut Document) {
     document.push(Block::heading("Participants"));
-    push_figure(
-        document,
-        flow(study).figure(),
-        "The participants’ way through the study.",
-        "participants",
-    );
+    push_figure(document, flow(study).figure(), "The participants’ way through the study.", "participants");
     document.blocks.extend(apart(study).map(Block::Paragraph));
     let excluded: Vec<Text> = study
         .data
@@ -38,7 +33,8 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
 
 /// Those who are counted: people, or simulated participants where there are no people. Tests are nobody's.
 fn counted<'a>(study: &'a Study<'_>) -> Vec<(&'a Person, Option<LeftOut>)> {
-    let people = study.data.participants.iter().enumerate().map(|(i, person)| (person, study.data.left_out(i)));
+    let people =
+        study.data.participants.iter().enumerate().map(|(i, person)| (person, study.data.left_out(i)));
     people.filter(|(_, left_out)| !matches!(left_out, Some(LeftOut::Test | LeftOut::Simulated))).collect()
 }
 
@@ -67,7 +63,11 @@ fn flow(study: &Study<'_>) -> Flow {
     let began = people.len() - began_lost;
     let finished = began - on_the_way - excluded_early;
     let late = excluded - excluded_early;
-    let exclusions = if late > 0 { vec![("were excluded, for reasons listed below".to_owned(), late)] } else { Vec::new() };
+    let exclusions = if late > 0 {
+        vec![("were excluded, for reasons listed below".to_owned(), late)]
+    } else {
+        Vec::new()
+    };
     let stage = |name: &str, count, lost| Stage { name: name.to_owned(), count, lost };
     Flow {
         heading: Heading::new("Who took part", "From the invitation to the analysis."),
@@ -92,9 +92,8 @@ fn orders(study: &Study<'_>) -> Vec<(String, usize)> {
 }
 
 fn apart(study: &Study<'_>) -> Option<Text> {
-    let count = |reason| {
-        study.analysis.left_out.iter().find(|(r, _)| *r == reason).map_or(0, |(_, count)| *count)
-    };
+    let count =
+        |reason| study.analysis.left_out.iter().find(|(r, _)| *r == reason).map_or(0, |(_, count)| *count);
     let parts: Vec<String> = [(LeftOut::Test, "test run"), (LeftOut::Simulated, "simulated participant")]
         .into_iter()
         .filter(|(reason, _)| count(*reason) > 0)
@@ -103,15 +102,20 @@ fn apart(study: &Study<'_>) -> Option<Text> {
             format!("{n} {name}{}", if n == 1 { "" } else { "s" })
         })
         .collect();
-    (!parts.is_empty())
-        .then(|| Text::from(format!("Not counted here and in no analysis: {}.", super::words::listed(&parts))))
+    (!parts.is_empty()).then(|| {
+        Text::from(format!("Not counted here and in no analysis: {}.", super::words::listed(&parts)))
+    })
 }
 
 /// What could have spoilt the data: interruptions, late ticks, flights that could not be measured.
 fn quality(study: &Study<'_>) -> Table {
     let people = study.data.analysed();
-    let trials: Vec<&Trial> =
-        study.data.trials.iter().filter(|trial| people.contains(&trial.participant) && !trial.practice).collect();
+    let trials: Vec<&Trial> = study
+        .data
+        .trials
+        .iter()
+        .filter(|trial| people.contains(&trial.participant) && !trial.practice)
+        .collect();
     let counting: Vec<&&Trial> = trials.iter().filter(|trial| trial.counts).collect();
     let exact = counting.iter().filter(|trial| trial.measured.is_ok()).count();
     let again = trials.iter().filter(|trial| !trial.counts).count();
@@ -130,8 +134,8 @@ fn quality(study: &Study<'_>) -> Table {
         ("Minutes from consent to the end: median (range)", spread(&minutes)),
     ];
     Table {
-        caption: Text::from("The data at a glance, of those who are analysed."),
-        columns: vec![(Text::from(""), Align::Left), (Text::from(""), Align::Right)],
+        caption: Text::from("The data at a glance."),
+        columns: vec![(Text::from("Of those who are analysed"), Align::Left), (Text::from(""), Align::Right)],
         rows: rows.into_iter().map(|(name, value)| vec![Text::from(name), Text::from(value)]).collect(),
         notes: unmeasured(&counting),
     }

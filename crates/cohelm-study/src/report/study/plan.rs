@@ -14,9 +14,13 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
     document.push(Block::heading("Design"));
     let order = match design.order {
         Order::LatinSquare => "in orders of a Latin square",
-        Order::Williams => "in orders of a Williams square, in which every mode follows every other equally often",
+        Order::Williams => {
+            "in orders of a Williams square, in which every mode follows every other equally often"
+        }
         Order::Random => "in an order drawn for each participant",
-        Order::Fixed => "in the same order for everyone, so that effects of mode and of order cannot be told apart",
+        Order::Fixed => {
+            "in the same order for everyone, so that effects of mode and of order cannot be told apart"
+        }
     };
     let practice = match design.practice {
         Practice::BeforeEach => "right before the measured flights of its mode",
@@ -24,8 +28,12 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
     };
     let terrain = match (design.terrain.same_for_everyone, design.terrain.same_in_every_condition) {
         (true, true) => "The n-th flight had the same ground, start and goal for everyone and in every mode.",
-        (true, false) => "The n-th flight had the same ground, start and goal for everyone, another one in every mode.",
-        (false, true) => "The n-th flight had the same ground, start and goal in every mode, another one for every participant.",
+        (true, false) => {
+            "The n-th flight had the same ground, start and goal for everyone, another one in every mode."
+        }
+        (false, true) => {
+            "The n-th flight had the same ground, start and goal in every mode, another one for every participant."
+        }
         (false, false) => "Every flight had a ground, start and goal of its own.",
     };
     document.push(Block::paragraph(format!(
@@ -37,10 +45,15 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
 }
 
 fn conditions(study: &Study<'_>) -> Table {
-    let heads = ["Mode", "Rule", "Belief about the goal", "In silence", "Practice", "Measured", "Questionnaires"];
+    let heads =
+        ["Mode", "Rule", "Belief about the goal", "In silence", "Practice", "Measured", "Questionnaires"];
     let align = |i: usize| if (4..6).contains(&i) { Align::Right } else { Align::Left };
     let row = |condition: &crate::design::Condition| {
-        let asked = if condition.questionnaires.is_empty() { "–".to_owned() } else { condition.questionnaires.join(", ") };
+        let asked = if condition.questionnaires.is_empty() {
+            "–".to_owned()
+        } else {
+            condition.questionnaires.join(", ")
+        };
         let learning = if condition.learning { "; values go on learning" } else { "" };
         vec![
             Text::from(condition.name.as_str()),
@@ -71,7 +84,9 @@ fn rule(rule: &Rule) -> String {
         Rule::Lasc => "linear arbitration (LASC)".to_owned(),
         Rule::Misc => "minimal intervention (MISC)".to_owned(),
         Rule::Tolerance { alpha } => format!("constant tolerance, α = {}", apa::number(*alpha, 2)),
-        Rule::MiscR { kappa } => format!("minimal intervention by regret (MISC-R), κ = {}", apa::number(*kappa, 2)),
+        Rule::MiscR { kappa } => {
+            format!("minimal intervention by regret (MISC-R), κ = {}", apa::number(*kappa, 2))
+        }
     }
 }
 

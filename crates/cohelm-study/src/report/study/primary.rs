@@ -15,6 +15,7 @@ pub(super) fn headline(study: &Study<'_>) -> Text {
         Ok(outcome) if outcome.table.rows().is_empty() => {
             Text::from("Nobody has completed it yet, so that nothing can be tested.")
         }
+        Ok(outcome) if outcome.names().len() == 2 => words::difference(outcome, alpha),
         Ok(outcome) => words::difference(outcome, alpha).plain(format!(" Means: {}.", means(outcome))),
         Err(why) => Text::from(format!("The primary outcome cannot be tested: {why}.")),
     }
@@ -40,7 +41,10 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
     );
     let level = format!(" Measure: {}. Level of significance: ", declared.measure);
     document.push(Block::paragraph(
-        hypothesis.plain(level).plain(apa::fraction(declared.alpha, 3).trim_end_matches('0').to_owned()).plain("."),
+        hypothesis
+            .plain(level)
+            .plain(apa::fraction(declared.alpha, 3).trim_end_matches('0').to_owned())
+            .plain("."),
     ));
     let outcome = match &study.analysis.primary {
         Ok(outcome) => outcome,
@@ -60,14 +64,12 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
 
 fn results(study: &Study<'_>, outcome: &Outcome, document: &mut Document) {
     let alpha = study.data.design.primary.alpha;
-    let tested = words::difference(outcome, alpha)
-        .plain(" ")
-        .then(words::friedman(outcome))
-        .plain(" ")
-        .then(words::one_way(outcome));
+    let tested =
+        words::difference(outcome, alpha).then(words::friedman(outcome)).then(words::one_way(outcome));
     document.push(Block::paragraph(tested));
     document.push(Block::List(outcome.pairs.iter().map(|pair| words::pair(outcome, pair, alpha)).collect()));
-    if outcome.bound.is_none() && outcome.pairs.iter().any(|pair| pair.t.as_ref().is_ok_and(|t| t.p >= alpha)) {
+    if outcome.bound.is_none() && outcome.pairs.iter().any(|pair| pair.t.as_ref().is_ok_and(|t| t.p >= alpha))
+    {
         document.push(Block::paragraph(
             "A difference that is not significant is no evidence of sameness. The design gives no bound within which two modes \
              would count as equal, so equivalence was not tested.",
@@ -142,9 +144,13 @@ fn interquartile_means(outcome: &Outcome) -> Table {
         };
         std::iter::once(Text::from(name.as_str())).chain(cells).collect()
     };
-    let heads = [("Mode", Align::Left), ("Interquartile mean", Align::Right), ("95\u{202f}% interval", Align::Right)];
+    let heads =
+        [("Mode", Align::Left), ("Interquartile mean", Align::Right), ("95\u{202f}% interval", Align::Right)];
     Table {
-        caption: Text::from(format!("{}: interquartile means, little moved by single participants.", measure.title())),
+        caption: Text::from(format!(
+            "{}: interquartile means, little moved by single participants.",
+            measure.title()
+        )),
         columns: heads.into_iter().map(|(head, align)| (Text::from(head), align)).collect(),
         rows: outcome.names().iter().zip(&outcome.interquartile_means).map(row).collect(),
         notes: vec![Text::from(

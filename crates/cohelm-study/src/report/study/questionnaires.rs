@@ -1,6 +1,6 @@
 //! What was asked after the modes: each item as the paper's Table I has it, and the scores compared.
 
-use super::{Study, primary, push_figure, words};
+use super::{Study, primary, push_figure};
 use crate::analysis::{Outcome, Source};
 use crate::apa;
 use crate::design::AnswerKind;
@@ -31,7 +31,11 @@ fn one(study: &Study<'_>, questionnaire: &Questionnaire, document: &mut Document
     document.push(Block::subheading(questionnaire.title.read("en", study.data.design.first_language())));
     let source = questionnaire.source.as_deref().unwrap_or("Made for this study.");
     document.push(Block::paragraph(Text::new().code(questionnaire.name.clone()).plain(format!(" {source}"))));
-    let answered = study.data.answers.iter().any(|answer| is_about(study, answer, questionnaire) && !answer.value.is_null());
+    let answered = study
+        .data
+        .answers
+        .iter()
+        .any(|answer| is_about(study, answer, questionnaire) && !answer.value.is_null());
     if !answered {
         document.push(Block::paragraph(if study.data.simulated() {
             "Nobody answered it: simulated participants have no opinions, and none was invented for them."
@@ -41,13 +45,11 @@ fn one(study: &Study<'_>, questionnaire: &Questionnaire, document: &mut Document
         return;
     }
     document.push(Block::Table(items(study, questionnaire)));
-    let of_it = |outcome: &&Outcome| {
-        matches!(&outcome.quantity.source, Source::Score { instrument, .. } if *instrument == questionnaire.name)
-    };
-    let alpha = study.data.design.primary.alpha;
+    let of_it = |outcome: &&Outcome| matches!(&outcome.quantity.source, Source::Score { instrument, .. } if *instrument == questionnaire.name);
     let scores: Vec<&Outcome> = study.analysis.exploratory.iter().filter(of_it).collect();
-    for outcome in &scores {
-        document.push(Block::paragraph(words::difference(outcome, alpha).plain(" ").then(words::friedman(outcome))));
+    if !scores.is_empty() {
+        document
+            .push(Block::Table(tables::any_difference(&scores, "Its scores, compared between the modes.")));
     }
     for outcome in scores.iter().filter(|outcome| outcome.quantity.key.ends_with("/overall")) {
         let measure = outcome.quantity.measure();
@@ -59,7 +61,12 @@ fn one(study: &Study<'_>, questionnaire: &Questionnaire, document: &mut Document
             values: outcome.values.clone(),
         };
         let file = format!("{}-boxes", questionnaire.name);
-        push_figure(document, boxes.figure(), format!("The score {}; every point is a participant.", measure.name), &file);
+        push_figure(
+            document,
+            boxes.figure(),
+            format!("{}; every point is a participant.", measure.title()),
+            &file,
+        );
         document.push(Block::Table(tables::pairs(&measure, &outcome.pairs)));
     }
 }
@@ -79,7 +86,8 @@ fn items(study: &Study<'_>, questionnaire: &Questionnaire) -> Table {
         }
     }
     places.sort_unstable();
-    let name = |place: &Option<usize>| place.map_or("At the end", |condition| study.name(condition)).to_owned();
+    let name =
+        |place: &Option<usize>| place.map_or("At the end", |condition| study.name(condition)).to_owned();
     let language = study.data.design.first_language();
     let cell = |item: &str, place: &Option<usize>| {
         let answers = study.data.answers.iter().filter(|a| is_about(study, a, questionnaire));
@@ -89,13 +97,14 @@ fn items(study: &Study<'_>, questionnaire: &Questionnaire) -> Table {
             .collect();
         let summary = describe(&given).ok()?;
         let sd = summary.sd.map_or_else(|| "–".to_owned(), |sd| apa::number(sd, 1));
-        Some(format!("{} ({sd})", apa::number(summary.mean, 1)))
+        Some(format!("{}\u{a0}({sd})", apa::number(summary.mean, 1)))
     };
     let scales = questionnaire.items.iter().filter(|item| matches!(item.answer, AnswerKind::Scale(_)));
     let row = |item: &crate::design::Item| {
         let text = item.text.read("en", language).replace("**", "");
         let text = if item.reversed { format!("{text} (reversed)") } else { text };
-        let cells = places.iter().map(|place| Text::from(cell(&item.id, place).unwrap_or_else(|| "–".to_owned())));
+        let cells =
+            places.iter().map(|place| Text::from(cell(&item.id, place).unwrap_or_else(|| "–".to_owned())));
         std::iter::once(Text::from(text)).chain(cells).collect()
     };
     Table {

@@ -1,7 +1,7 @@
 //! What happens within the flights and over the session: authority, calibration, learning, order.
 
 use super::{Study, push_figure, words};
-use crate::analysis::{Learning, Quantity, Ribbon, calibrations, ribbons};
+use crate::analysis::{Learning, Quantity, Ribbon, Stretch, calibrations, ribbons};
 use crate::apa;
 use crate::dataset::Part;
 use crate::figures::{
@@ -40,14 +40,21 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
 fn authority(study: &Study<'_>) -> Result<Figure, FigureError> {
     let panel = |title: &str, share: fn(&Part) -> (u32, u32)| CurvePanel {
         title: title.to_owned(),
-        curves: ribbons(study.data, share).iter().filter(|ribbon| !ribbon.points.is_empty()).map(curve).collect(),
+        curves: ribbons(study.data, share)
+            .iter()
+            .filter(|ribbon| !ribbon.points.is_empty())
+            .map(curve)
+            .collect(),
     };
     let curves = Curves {
         heading: Heading::new(
             "Who steers, from start to ending",
-            format!("{}, measured flights. Line: mean over participants; band: its 95 % interval.", study.people()),
+            format!(
+                "{}, measured flights. Line: mean over participants; band: its 95 % interval.",
+                study.people()
+            ),
         ),
-        x: Axis { extent: Extent::Unit, ..Axis::share("Share of the flight that is over") },
+        x: Axis { extent: Extent::FromZero, ..Axis::amount("Percent of the flight that are over") },
         y: Axis::share("Share"),
         conditions: study.looks.clone(),
         panels: vec![
@@ -65,7 +72,7 @@ fn curve(ribbon: &Ribbon) -> Curve {
     };
     Curve {
         condition: ribbon.condition,
-        points: ribbon.points.iter().map(|(x, summary)| (*x, summary.mean)).collect(),
+        points: ribbon.points.iter().map(|(x, summary)| (100.0 * x, summary.mean)).collect(),
         band: ribbon.points.iter().map(|(_, summary)| ends(summary)).collect(),
     }
 }
@@ -86,7 +93,10 @@ fn reliability(study: &Study<'_>) -> Result<Figure, FigureError> {
     let figure = Reliability {
         heading: Heading::new(
             "Can the confidence be trusted?",
-            format!("All ticks of {}. On the dashed line c is the share of right goals; small marks: few ticks.", study.people()),
+            format!(
+                "All ticks of {}. On the dashed line c is the share of right goals; small marks: few ticks.",
+                study.people()
+            ),
         ),
         conditions: study.looks_of(&conditions),
         classes: calibrations.iter().map(|c| bins(&c.classes)).collect(),
@@ -95,7 +105,9 @@ fn reliability(study: &Study<'_>) -> Result<Figure, FigureError> {
 }
 
 fn learning(study: &Study<'_>, document: &mut Document) {
-    let Some(quantity) = study.analysis.learning.first().and_then(|l| Quantity::of_flights(&l.key)) else { return };
+    let Some(quantity) = study.analysis.learning.first().and_then(|l| Quantity::of_flights(&l.key)) else {
+        return;
+    };
     document.push(Block::heading("Learning and order"));
     let measure = quantity.measure();
     let curves = Curves {
@@ -106,22 +118,36 @@ fn learning(study: &Study<'_>, document: &mut Document) {
         x: Axis::free("Flight within the mode (practice up to 0, measured from 1)"),
         y: quantity.axis(),
         conditions: study.looks.clone(),
-        panels: study.analysis.learning.iter().filter(|l| !l.course.is_empty()).map(|l| course(study, l)).collect(),
+        panels: study
+            .analysis
+            .learning
+            .iter()
+            .filter(|l| !l.course.is_empty())
+            .map(|l| course(study, l))
+            .collect(),
     };
-    let caption = format!("{} from the first flight of a mode to its last, practice included.", measure.title());
+    let caption =
+        format!("{} from the first flight of a mode to its last, practice included.", measure.title());
     push_figure(document, curves.figure(), caption, "learning");
     document.push(Block::Table(slopes(study, &quantity)));
 }
 
+/// Practice and measured flights are two lines, so that one sees where what counts begins.
 fn course(study: &Study<'_>, learning: &Learning) -> CurvePanel {
-    let points = learning.course.iter().map(|stretch| (stretch.flight, stretch.mean)).collect();
     let share = Quantity::of_flights(&learning.key).is_some_and(|q| q.unit == crate::measures::Unit::Share);
     let clipped = |end: f64| if share { end.clamp(0.0, 1.0) } else { end };
-    let ends = |stretch: &crate::analysis::Stretch| {
+    let ends = |stretch: &Stretch| {
         stretch.interval.map_or((stretch.mean, stretch.mean), |ci| (clipped(ci.low), clipped(ci.high)))
     };
-    let band = learning.course.iter().map(ends).collect();
-    let curves = vec![Curve { condition: learning.condition, points, band }];
+    let (practice, measured): (Vec<Stretch>, Vec<Stretch>) =
+        learning.course.iter().partition(|stretch| stretch.flight < 0.75);
+    let curve = |stretches: &Vec<Stretch>| Curve {
+        condition: learning.condition,
+        points: stretches.iter().map(|stretch| (stretch.flight, stretch.mean)).collect(),
+        band: stretches.iter().map(ends).collect(),
+    };
+    let lines = [practice, measured];
+    let curves = lines.iter().filter(|stretches| !stretches.is_empty()).map(curve).collect();
     CurvePanel { title: study.name(learning.condition).to_owned(), curves }
 }
 
@@ -133,7 +159,11 @@ fn slopes(study: &Study<'_>, quantity: &Quantity) -> Table {
             Ok(t) => vec![
                 name,
                 Text::from(measure.write_difference(t.mean_difference)),
-                Text::from(format!("[{}, {}]", measure.difference(t.ci95.low), measure.difference(t.ci95.high))),
+                Text::from(format!(
+                    "[{}, {}]",
+                    measure.difference(t.ci95.low),
+                    measure.difference(t.ci95.high)
+                )),
                 apa::paired_t(t),
                 learning.p_holm.map_or_else(|| Text::from("–"), apa::p_value),
             ],
@@ -146,7 +176,9 @@ fn slopes(study: &Study<'_>, quantity: &Quantity) -> Table {
         caption: Text::from(format!("{}: change within the measured flights of a mode.", measure.title())),
         columns: heads.into_iter().enumerate().map(|(i, head)| (Text::from(head), align(i))).collect(),
         rows: study.analysis.learning.iter().map(row).collect(),
-        notes: vec![Text::from("Each participant’s least-squares slope over the flights, tested against zero.")],
+        notes: vec![Text::from(
+            "Each participant’s least-squares slope over the flights, tested against zero.",
+        )],
     }
 }
 
@@ -165,17 +197,22 @@ fn order(study: &Study<'_>, document: &mut Document) {
         .conditions()
         .iter()
         .zip(effect.table.columns())
-        .filter_map(|(position, column)| Some(format!("{position} {}", measure.write(describe(&column).ok()?.mean))))
+        .filter_map(|(position, column)| {
+            Some(format!("{position} {}", measure.write(describe(&column).ok()?.mean)))
+        })
         .collect();
     let name = words::name_of(&quantity);
     let tested = match &effect.anova {
         Ok(test) => {
             let p = test.sphericity.as_ref().map_or(test.p, |s| s.p_corrected);
-            let verb = if p < study.data.design.primary.alpha { "changed" } else { "did not change significantly" };
+            let verb =
+                if p < study.data.design.primary.alpha { "changed" } else { "did not change significantly" };
             Text::from(format!("Over the blocks, whatever was flown in them, {name} {verb}, "))
                 .then(apa::repeated_measures(test))
         }
         Err(why) => Text::from(format!("{} over the blocks cannot be tested: {why}", capitalised(&name))),
     };
-    document.push(Block::paragraph(tested.plain(format!(". Means by place in the order flown: {}.", words::listed(&means)))));
+    document.push(Block::paragraph(
+        tested.plain(format!(". Means by place in the order flown: {}.", words::listed(&means))),
+    ));
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::{Outcome, Quantity};
 use crate::apa;
-use crate::statistics::PairOfConditions;
+use crate::statistics::{PairOfConditions, PairedT, mean};
 use crate::text::{Text, capitalised};
 
 /// "A, B and C".
@@ -17,8 +17,12 @@ pub(super) fn listed<T: AsRef<str>>(names: &[T]) -> String {
     }
 }
 
-/// "The success rate differed between hic, lasc and misc, F(…) = …": the test within participants, in words.
+/// "The success rate differed between hic, lasc and misc, F(…) = …", or, of two modes, which has more: the test within
+/// participants, in words.
 pub(super) fn difference(outcome: &Outcome, alpha: f64) -> Text {
+    if let [pair] = outcome.pairs.as_slice() {
+        return two(outcome, pair, alpha);
+    }
     let name = name_of(&outcome.quantity);
     let modes = listed(outcome.names());
     match &outcome.anova {
@@ -35,31 +39,71 @@ pub(super) fn difference(outcome: &Outcome, alpha: f64) -> Text {
     }
 }
 
+fn two(outcome: &Outcome, pair: &PairOfConditions, alpha: f64) -> Text {
+    let (measure, name) = (outcome.quantity.measure(), name_of(&outcome.quantity));
+    let means: Vec<f64> = outcome.table.columns().iter().filter_map(|column| mean(column).ok()).collect();
+    let (Ok(t), [first, second]) = (&pair.t, means.as_slice()) else {
+        let why = pair.t.as_ref().err().map_or_else(String::new, ToString::to_string);
+        let modes = listed(outcome.names());
+        return Text::from(format!("Whether {name} differed between {modes} cannot be tested: {why}."));
+    };
+    let (more, less, high, low) = if first >= second {
+        (&pair.first, &pair.second, first, second)
+    } else {
+        (&pair.second, &pair.first, second, first)
+    };
+    let by = measure.write_difference(t.mean_difference.abs());
+    // The sentence names the larger first, so the statistic has to be that of larger minus smaller.
+    let t = PairedT { t: t.t.abs(), ..*t };
+    let opening = if t.p < alpha {
+        format!(
+            "{} {} higher under {more}",
+            capitalised(&name),
+            if is_plural(&name) { "were" } else { "was" }
+        )
+    } else {
+        format!("{} did not differ significantly between {more}", capitalised(&name))
+    };
+    let joint = if t.p < alpha { "than under" } else { "and" };
+    Text::from(format!(
+        "{opening} ({}) {joint} {less} ({}), a difference of {by}, ",
+        measure.write(*high),
+        measure.write(*low)
+    ))
+    .then(apa::paired_t(&t))
+    .plain(".")
+}
+
+fn is_plural(name: &str) -> bool {
+    !name.starts_with("the ")
+}
+
 /// A quantity within a sentence: "the success rate", "steps", "the score nasa-tlx".
 pub(super) fn name_of(quantity: &Quantity) -> String {
     let name = &quantity.name;
-    match &quantity.source {
-        crate::analysis::Source::Score { .. } => format!("the score {name}"),
-        _ if name.ends_with('s') && !name.ends_with("ss") => name.clone(),
-        _ => format!("the {name}"),
-    }
+    let plural = name.ends_with('s') || name.starts_with("ticks") || name.starts_with("steps");
+    let score = matches!(quantity.source, crate::analysis::Source::Score { .. });
+    if plural && !score { name.clone() } else { format!("the {name}") }
 }
 
-/// The test that ranks, as one reports it.
+/// The test that ranks, as one reports it; nothing for two modes, where Wilcoxon's test stands in its place.
 pub(super) fn friedman(outcome: &Outcome) -> Text {
     match &outcome.friedman {
-        Ok(test) => Text::from("Friedman’s test of the ranks: ").then(apa::friedman(test)).plain("."),
-        Err(why) => Text::from(format!("Friedman’s test does not exist here: {why}.")),
+        _ if outcome.names().len() == 2 => Text::new(),
+        Ok(test) => Text::from(" Friedman’s test of the ranks: ").then(apa::friedman(test)).plain("."),
+        Err(why) => Text::from(format!(" No test of the ranks: {why}.")),
     }
 }
 
 /// The paper's test, named as such.
 pub(super) fn one_way(outcome: &Outcome) -> Text {
     match &outcome.one_way {
-        Ok(test) => Text::from("The paper’s test, a one-way ANOVA that takes the modes for different people: ")
-            .then(apa::one_way(test))
-            .plain("."),
-        Err(why) => Text::from(format!("The paper’s one-way ANOVA does not exist here: {why}.")),
+        Ok(test) => {
+            Text::from(" The paper’s test, a one-way ANOVA that takes the modes for different people: ")
+                .then(apa::one_way(test))
+                .plain(".")
+        }
+        Err(why) => Text::from(format!(" The paper’s one-way ANOVA does not exist here: {why}.")),
     }
 }
 
@@ -132,6 +176,6 @@ mod tests {
     fn quantities_have_their_article() {
         let named = |key: &str| name_of(&Quantity::of_flights(key).unwrap());
         assert_eq!((named("success"), named("steps")), ("the success rate".into(), "steps".into()));
-        assert_eq!(name_of(&Quantity::of_score("nasa-tlx", "overall")), "the score nasa-tlx");
+        assert_eq!(named("brier"), "the Brier score of the confidence");
     }
 }
