@@ -8,7 +8,6 @@ import { PadConfirm } from '../../src/gamepad';
 import { Hud } from '../../src/hud';
 import { keyCap, keyName } from '../../src/keys';
 import { Meter, type Measured } from '../../src/meter';
-import { fromHex } from '../../src/pending';
 import { toHex } from '../../src/protocol';
 import { keyEvents, type LoggedKey } from '../../src/record';
 import { Stage } from '../../src/stage';
@@ -215,7 +214,7 @@ export class FlightShow {
   /** Flies the log again and waits for the person. */
   private goOn(log: KeyLog, back: ComeBack): void {
     const run = this.run!;
-    this.deck.link.begin(this.plan.setup, { key: fromHex(this.key), begunAt: this.begunAt });
+    this.announce();
     run.goOnFrom(log);
     this.showHud();
     if (run.isOver) return;
@@ -270,8 +269,18 @@ export class FlightShow {
 
   private takeOff(): void {
     this.begunAt = Date.now();
-    this.deck.link.begin(this.plan.setup, { key: fromHex(this.key), begunAt: this.begunAt });
+    this.announce();
     this.start();
+  }
+
+  /** Begins the flight at the server; one that it refuses is not flown to its end. */
+  private announce(): void {
+    this.deck.begin(this.plan.setup, this.key, this.begunAt);
+    void this.deck.delivered(this.key).then((delivery) => {
+      if (!('refused' in delivery) || this.over || this.run?.isOver !== false) return;
+      this.hold();
+      void this.conclude('abandoned', delivery);
+    });
   }
 
   private start(): void {
@@ -339,7 +348,7 @@ export class FlightShow {
 
   private keep(left?: string): void {
     const { run } = this;
-    if (run === null || this.over || this.isLeft || run.ticks === 0) return;
+    if (run === null || this.over || this.isLeft || run.isReady) return;
     try {
       const [log, measured] = [run.log(), run.measured()];
       const why = left === undefined ? {} : { left };
@@ -359,20 +368,27 @@ export class FlightShow {
   }
 
   private async ended(summary: FlightSummary): Promise<void> {
-    const { deck, plan, key } = this;
-    const run = this.run!;
+    const { deck, plan } = this;
     plan.events.inTheAir?.(false);
     deck.link.end(summary.ending);
     this.showHud();
     this.keep();
     const watched = wantsCalm() ? 0 : WATCH_ENDING_MS;
     await (plan.feedback ? this.showEnding(summary, watched) : pause(watched));
-    const delivery = await this.delivered();
-    if ('refused' in delivery && !this.over) await this.showRefused(delivery.refused);
+    await this.conclude(summary.ending, await this.delivered());
+  }
+
+  private async conclude(ending: Ending, delivery: Delivery): Promise<void> {
+    const run = this.run!;
+    if ('refused' in delivery && !this.over) {
+      await this.showRefused(delivery.refused);
+      this.deck.keeper.forget(this.key);
+    }
     if (this.over) return;
     this.letGo();
+    const { key } = this;
     const log = keyEvents(run.log().events);
-    this.finish({ key, ending: summary.ending, ticks: summary.ticks, log, measured: run.measured(), delivery });
+    this.finish({ key, ending, ticks: run.ticks, log, measured: run.measured(), delivery });
   }
 
   private showEnding(summary: FlightSummary, watched: number): Promise<void> {

@@ -15,6 +15,8 @@ export class FakeServer {
   /** Answers in place of the usual one, first come, first served. */
   readonly next: Answered[] = [];
   clockAheadMs = 0;
+  /** Why the next flight is refused, if it is. */
+  refuses: string | null = null;
   /** Ticks and events that were committed, by flight key. */
   readonly committed = new Map<string, { ticks: number; events: number[] }>();
 
@@ -49,6 +51,13 @@ export class FakeServer {
   ended(key: string): void {
     const step = this.steps[this.place];
     if (step?.kind === 'flight' && step.flight_key === key) step.flown = 'crash';
+  }
+
+  /** A flight was refused: it is flown once more, under another key. */
+  refused(): void {
+    const step = this.steps[this.place];
+    if (step?.kind === 'flight') Object.assign(step, { attempt: step.attempt + 1, flight_key: 'f'.repeat(32) });
+    this.refuses = null;
   }
 
   private answer(path: string, body: Record<string, unknown>): Answered {
@@ -94,7 +103,8 @@ export class FakeSocket extends EventTarget {
     if (bytes[1] === 1) {
       this.key = [...bytes.subarray(2, 18)].map((byte) => byte.toString(16).padStart(2, '0')).join('');
       if (!server.committed.has(this.key)) server.committed.set(this.key, { ticks: 0, events: [] });
-      this.say(130, 8, server.committed.get(this.key)!.ticks);
+      if (server.refuses === null) this.say(130, 8, server.committed.get(this.key)!.ticks);
+      else this.refuse(server.refuses);
     } else if (bytes[1] === 2) {
       const log = server.committed.get(this.key)!;
       log.ticks = view.getUint32(6, true);
@@ -104,6 +114,12 @@ export class FakeSocket extends EventTarget {
       server.ended(this.key);
       this.say(133, 8, 0);
     }
+  }
+
+  private refuse(reason: string): void {
+    const bytes = new Uint8Array([1, 132, ...new TextEncoder().encode(reason)]);
+    FakeSocket.server.refused();
+    setTimeout(() => this.dispatchEvent(Object.assign(new Event('message'), { data: bytes.buffer })), 400);
   }
 
   /** A message with so many bytes for an episode's number, then a count of ticks. */

@@ -275,6 +275,22 @@ describe('flights', () => {
     expect(screenNow()).toBe('break');
   });
 
+  it('that are refused stop at once, say why, and are flown once more', async () => {
+    await open('block-1/flight-1');
+    server.refuses = 'the setup is another';
+    await strike('Enter');
+    await passes(3000 + 600);
+    expect(cardNow()).toBe('failed');
+    expect(find('.card').textContent).toContain('The setup is another.');
+    await strike('Enter');
+    await passes(100);
+    expect(cardNow()).toBe('ready');
+    expect(localStorage.getItem(`cohelm.flight.1.${'2'.repeat(32)}`)).toBeNull();
+    await comeDown();
+    expect(server.committed.get('f'.repeat(32))!.ticks).toBeGreaterThan(40);
+    expect(screenNow()).toBe('break');
+  });
+
   it('pause with Esc and when the window loses the focus', async () => {
     await open('block-1/flight-1');
     await strike('Enter');
