@@ -26,6 +26,8 @@ export interface StudyReport {
   /** The design in words. */
   rows: [name: string, words: string][];
   cells: Cell[];
+  /** Where anybody can join, if the study lets them. */
+  open_link: string | null;
   counts: Partial<Record<Status, number>>;
 }
 
@@ -51,6 +53,9 @@ export interface Row {
   interruptions: number;
   endings: Partial<Record<Ending, number>>;
   notes: number;
+  /** Rules of exclusion that this participant meets, in words; the researcher decides. */
+  breaches: string[];
+  excluded: { reason: string; by: string } | null;
 }
 
 /** An event of a participant's log. */
@@ -62,8 +67,10 @@ export interface Logged {
 }
 
 export type DeskEpisode = EpisodeEntry & {
-  participant: number;
+  participant: number | null;
+  code: string | null;
   step: string | null;
+  condition: string | null;
 };
 
 export interface Created {

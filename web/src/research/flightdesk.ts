@@ -151,10 +151,10 @@ export class FlightDeskView implements DeskView {
     const { episodes } = await api.episodes({ before: this.id + 1, limit: 1 });
     const row = episodes.find(({ id }) => id === this.id);
     if (row === undefined || this.gone) return;
-    const { participant, step } = row;
-    const code = this.desk.feed.row(participant)?.code ?? '';
+    const { participant, step, code } = row;
+    if (participant === null) return;
     this.back = `people/${participant}`;
-    this.own.name(`${code} · ${step === null ? `episode ${this.id}` : stepWords(step)}`, `#/${this.back}`);
+    this.own.name(`${code ?? ''} · ${step === null ? `episode ${this.id}` : stepWords(step)}`, `#/${this.back}`);
     const all = (await api.episodes({ participant, limit: MOST_EPISODES })).episodes.filter(isOver);
     const link = (to: number | undefined, words: string) =>
       to === undefined ? [] : [element('a', { href: `#/episodes/${to}` }, words)];

@@ -2,7 +2,7 @@
 
 import { button, element, select } from '../dom';
 import * as actions from './actions';
-import { cell, endingSigns, kindBadges, lateSparkline, placeBar, refill, statusChip, table } from './bits';
+import { cell, endingSigns, kindBadges, lateSparkline, placeBar, refill, standing, table } from './bits';
 import type { Row } from './deskapi';
 import type { Desk, DeskView } from './place';
 import { filtered, type Filter } from './roll';
@@ -61,12 +61,8 @@ export class PeopleView implements DeskView {
       element('label', {}, others, 'tests and bots'),
       this.count,
       element('span', { class: 'spacer' }),
-      button('New participant…', { class: 'primary' }, () => actions.create(this.desk.feed, this.languages())),
+      button('New participant…', { class: 'primary' }, () => actions.create(this.desk.feed)),
     );
-  }
-
-  private languages(): string[] {
-    return this.desk.feed.study?.languages ?? [];
   }
 
   private change(change: Partial<Filter>): void {
@@ -104,7 +100,7 @@ export class PeopleView implements DeskView {
       'tr',
       { class: 'opens' },
       cell('code', element('a', { href: `#/people/${row.id}` }, row.code), ...kindBadges(row)),
-      cell('', statusChip(row.status)),
+      cell('', standing(row)),
       cell('number', row.cell === null ? '–' : String(row.cell + 1)),
       cell('wide', placeBar(row)),
       cell('', conditionNow(row)),
