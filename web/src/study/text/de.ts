@@ -5,12 +5,13 @@ import { clock, type Words } from './en';
 const count = (many: number, one: string, more: string) => `${many} ${many === 1 ? one : more}`;
 
 const CONTROLS: Record<string, string> = {
-  left: 'links',
-  right: 'rechts',
-  main: 'Schub',
+  left: 'linkes Triebwerk',
+  right: 'rechtes Triebwerk',
+  main: 'Haupttriebwerk',
   up: 'hoch',
   down: 'runter',
 };
+const SHORT: Record<string, string> = { left: 'links', right: 'rechts', main: 'Haupt', up: 'hoch', down: 'runter' };
 
 export const de: Words = {
   name: 'Deutsch',
@@ -28,7 +29,7 @@ export const de: Words = {
   goOn: 'Weiter',
   back: 'Zurück',
   next: 'Weiter',
-  askUs: (contact) => `Fragen? Schreiben Sie an ${contact}.`,
+  askUs: (contact) => `Fragen? Kontakt: ${contact}`,
 
   withdraw: {
     open: 'Teilnahme beenden',
@@ -110,6 +111,7 @@ export const de: Words = {
     press: 'Taste drücken …',
     changeFor: (control) => `Die Taste für „${control}“ ändern`,
     or: 'oder',
+    short: (control) => SHORT[control] ?? control,
     taskLabel: 'Was Sie sehen: oben das Fluggerät, den Boden und die Ziele; Ihres ist bernsteinfarben',
     craft: 'Ihr Fluggerät',
     goal: 'Ihr Ziel, mit ★',
