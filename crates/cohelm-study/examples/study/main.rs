@@ -1,12 +1,14 @@
 //! `cargo run -p cohelm-study --example study -- FOLDER [simulated|few]`
 //!
 //! Writes the report of a study that never took place, from invented numbers: to look at while changing how it is set.
-//! `simulated` marks the participants as simulated, `few` leaves three of them. Beside it stands a report of power.
+//! `simulated` marks the participants as simulated, `few` leaves three of them. Beside it
+//! stand a report of power and the tables of the export.
 
 mod invented;
 
 use cohelm_study::analysis::{Options, Quantity};
 use cohelm_study::dataset::Dataset;
+use cohelm_study::export::write_folder;
 use cohelm_study::measures::measure;
 use cohelm_study::power::{Answered, Assumption, Question, document};
 use cohelm_study::report::{Document, study_report};
@@ -29,6 +31,7 @@ fn main() -> Outcome<()> {
         std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
         std::fs::write(path, bytes)?;
     }
+    write_folder(&Path::new(&folder).join("data"), &dataset)?;
     Ok(())
 }
 
