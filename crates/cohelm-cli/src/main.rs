@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod commands;
+mod database;
 mod live;
 mod numbers;
 mod output;
@@ -29,6 +30,9 @@ enum Command {
     Evaluate(commands::evaluate::Evaluate),
     /// Reproduce the paper's experiment with simulated pilots.
     Reproduce(commands::reproduce::Reproduce),
+    /// Check, try, run and report a study with people.
+    #[command(subcommand)]
+    Study(commands::study::Study),
     /// List the stored episodes.
     Episodes(commands::episodes::Episodes),
     /// Hold something against what was recorded elsewhere.
@@ -47,6 +51,7 @@ fn main() -> ExitCode {
         Command::Train(train) => train.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
+        Command::Study(study) => study.run(),
         Command::Episodes(episodes) => episodes.run(),
         Command::Verify(verify) => verify.run(),
         Command::Bench(bench) => bench.run(),
