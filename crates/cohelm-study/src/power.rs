@@ -313,9 +313,11 @@ pub struct Answered<'a> {
 /// # Errors
 /// No curve.
 pub fn figure(answers: &[Answered<'_>]) -> Result<Figure, FigureError> {
+    // Of more points than get marks, since a target is no measurement.
+    const POINTS: usize = 16;
     let line = |target: f64, answer: &Answered<'_>| {
-        let ends = [FEWEST, answer.curve.question.most].map(|n| (n as f64, target));
-        Curve { condition: 1, points: ends.to_vec(), band: Vec::new() }
+        let at = |i: usize| (answer.curve.question.most as f64 * i as f64 / POINTS as f64, target);
+        Curve { condition: 1, points: (0..=POINTS).map(at).collect(), band: Vec::new() }
     };
     let panel = |answer: &Answered<'_>| {
         let points = &answer.curve.points;

@@ -88,8 +88,13 @@ fn add_person(dataset: &mut Dataset, draw: &mut Draw, progress: Progress, exclud
     for (block, &condition) in cells[cell].iter().enumerate() {
         fly(dataset, draw, (participant, block + 1, condition), skill);
         if progress == Progress::Completed {
-            answer(dataset, draw, participant, condition);
+            let asked = dataset.design.conditions[condition].questionnaires.clone();
+            answer(dataset, draw, participant, (Some(condition), asked));
         }
+    }
+    if progress == Progress::Completed {
+        let asked = dataset.design.end_questionnaires.clone();
+        answer(dataset, draw, participant, (None, asked));
     }
 }
 
@@ -208,13 +213,19 @@ fn classes(draw: &mut Draw, ticks: f64) -> Vec<Class> {
 }
 
 /// Numbers where answers would be, so that the tables of questionnaires can be looked at.
-fn answer(dataset: &mut Dataset, draw: &mut Draw, participant: usize, condition: usize) {
-    for name in dataset.design.conditions[condition].questionnaires.clone() {
+fn answer(
+    dataset: &mut Dataset,
+    draw: &mut Draw,
+    participant: usize,
+    (condition, asked): (Option<usize>, Vec<String>),
+) {
+    for name in asked {
         let Some(questionnaire) = questionnaires::find(&dataset.design, &name) else { continue };
         let mut given = serde_json::Map::new();
         for item in &questionnaire.items {
             if let cohelm_study::design::AnswerKind::Scale(scale) = &item.answer {
-                let place = (0.6 - 0.08 * condition as f64 + 0.15 * draw.about()).clamp(0.0, 1.0);
+                let place =
+                    (0.6 - 0.08 * condition.unwrap_or(0) as f64 + 0.15 * draw.about()).clamp(0.0, 1.0);
                 let steps = (place * (scale.most - scale.least) / scale.step).round();
                 given.insert(item.id.clone(), (scale.least + steps * scale.step).into());
             }
@@ -222,7 +233,7 @@ fn answer(dataset: &mut Dataset, draw: &mut Draw, participant: usize, condition:
         let given = serde_json::Value::Object(given);
         let scores = questionnaire.score(&given).into_iter().map(|(scale, score)| Score {
             participant,
-            condition: Some(condition),
+            condition,
             instrument: name.clone(),
             scale,
             score,
@@ -230,8 +241,8 @@ fn answer(dataset: &mut Dataset, draw: &mut Draw, participant: usize, condition:
         dataset.scores.extend(scores);
         let answers = given.as_object().into_iter().flatten().map(|(item, value)| Answer {
             participant,
-            step: format!("block-1/questionnaire/{name}"),
-            condition: Some(condition),
+            step: format!("{}/questionnaire/{name}", if condition.is_some() { "block-1" } else { "end" }),
+            condition,
             item: item.clone(),
             value: value.clone(),
         });

@@ -1,6 +1,6 @@
 //! What is compared between conditions: a measure of flights, or a score of a questionnaire.
 
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, Score};
 use crate::design::{Condition, Design};
 use crate::figures::Axis;
 use crate::measures::{self, Measure, Range, Unit};
@@ -117,14 +117,31 @@ impl Quantity {
 
     /// Every score that was asked for after a condition, in the order of the data.
     pub fn scores(dataset: &Dataset) -> Vec<Self> {
+        Self::scores_where(dataset, |score| score.condition.is_some())
+    }
+
+    /// Every score that was asked for at the end, about all conditions together.
+    pub fn end_scores(dataset: &Dataset) -> Vec<Self> {
+        Self::scores_where(dataset, |score| score.condition.is_none())
+    }
+
+    fn scores_where(dataset: &Dataset, wanted: impl Fn(&Score) -> bool) -> Vec<Self> {
         let mut scores: Vec<Quantity> = Vec::new();
-        for score in dataset.scores.iter().filter(|score| score.condition.is_some()) {
+        for score in dataset.scores.iter().filter(|score| wanted(score)) {
             let quantity = Self::of_score(&dataset.design, &score.instrument, &score.scale);
             if !scores.iter().any(|known| known.key == quantity.key) {
                 scores.push(quantity);
             }
         }
         scores
+    }
+
+    /// A participant's score at the end; `None` for a measure of flights.
+    pub fn value_at_the_end(&self, dataset: &Dataset, participant: usize) -> Option<f64> {
+        match &self.source {
+            Source::Flights => None,
+            Source::Score { instrument, scale } => dataset.score(participant, None, instrument, scale),
+        }
     }
 
     /// The conditions that can be compared: those in which a participant that is analysed has a value that is not so by

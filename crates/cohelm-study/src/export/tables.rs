@@ -267,7 +267,7 @@ pub fn participants(dataset: &Dataset) -> Sheet {
     let mut fields = identity(|row: &InCondition| &row.who);
     fields.extend(person_fields());
     let quantities = quantities(dataset);
-    for (i, (described, _)) in quantities.iter().enumerate() {
+    for (i, (described, ..)) in quantities.iter().enumerate() {
         fields.push(field(described.clone(), move |row: &InCondition| {
             Cell::from(row.values.get(i).copied().flatten())
         }));
@@ -283,7 +283,7 @@ pub fn participants(dataset: &Dataset) -> Sheet {
 }
 
 /// Columns of a participant's values, and what each is.
-fn quantities(dataset: &Dataset) -> Vec<(Column, Quantity)> {
+fn quantities(dataset: &Dataset) -> Vec<(Column, Quantity, bool)> {
     let of_flights = measures::all().filter_map(|measure| {
         let described = Column::of(measure, Kind::Number);
         let meaning = format!("Mean over the measured flights: {}", measure.meaning);
@@ -298,23 +298,36 @@ fn quantities(dataset: &Dataset) -> Vec<(Column, Quantity)> {
         };
         Some((described.missing_when(&missing), Quantity::of_flights(measure.key)?))
     });
-    let scores = Quantity::scores(dataset).into_iter().map(|quantity| {
-        let key = quantity.key.replace(['/', '-', ' '], "_");
-        let range = quantity.limits.map_or("any".to_owned(), |(least, most)| format!("{least} to {most}"));
-        let described = column(&key, Kind::Number, &quantity.meaning).unit("points").range(range);
-        (described.missing_when("it was not asked, or not all of its items were answered"), quantity)
-    });
-    of_flights.chain(scores).collect()
+    let of_conditions = Quantity::scores(dataset).into_iter().map(|quantity| score_column(quantity, false));
+    let at_the_end = Quantity::end_scores(dataset).into_iter().map(|quantity| score_column(quantity, true));
+    let of_flights = of_flights.map(|(column, quantity)| (column, quantity, false));
+    of_flights.chain(of_conditions).chain(at_the_end).collect()
+}
+
+/// A score's column, the quantity, and whether it was asked at the end.
+fn score_column(quantity: Quantity, at_the_end: bool) -> (Column, Quantity, bool) {
+    let (suffix, when) =
+        if at_the_end { ("_at_end", " Asked at the end; the same in every row.") } else { ("", "") };
+    let key = quantity.key.replace(['/', '-', ' '], "_") + suffix;
+    let range = quantity.limits.map_or("any".to_owned(), |(least, most)| format!("{least} to {most}"));
+    let meaning = format!("{}{when}", quantity.meaning);
+    let described = column(&key, Kind::Number, &meaning).unit("points").range(range);
+    (described.missing_when("it was not asked, or not all of its items were answered"), quantity, at_the_end)
 }
 
 fn in_condition(
     dataset: &Dataset,
-    quantities: &[(Column, Quantity)],
+    quantities: &[(Column, Quantity, bool)],
     (participant, place): (usize, Option<usize>),
 ) -> InCondition {
     let person = dataset.participants[participant].clone();
     let condition = place.map(|place| person.order[place]);
-    let value = |quantity: &Quantity| quantity.value(dataset, participant, condition?);
+    let value = |quantity: &Quantity, at_the_end: bool| {
+        if at_the_end {
+            return quantity.value_at_the_end(dataset, participant);
+        }
+        quantity.value(dataset, participant, condition?)
+    };
     let names: Vec<&str> = person.order.iter().map(|&c| dataset.design.conditions[c].name.as_str()).collect();
     InCondition {
         who: Who::of(dataset, participant),
@@ -322,7 +335,7 @@ fn in_condition(
         block: place.map(|place| place + 1),
         cell: (!names.is_empty()).then(|| names.join(" ")),
         flights: condition.map_or(0, |c| dataset.flights(participant, c, false).count()),
-        values: quantities.iter().map(|(_, quantity)| value(quantity)).collect(),
+        values: quantities.iter().map(|(_, quantity, at_the_end)| value(quantity, *at_the_end)).collect(),
         person,
     }
 }

@@ -58,13 +58,13 @@ fn flow(study: &Study<'_>) -> Flow {
         people.iter().filter(|(p, l)| *l == Some(LeftOut::Excluded) && unfinished(p)).count();
     let mut lost = under_way;
     if excluded_early > 0 {
-        lost.push(("were excluded on the way".to_owned(), excluded_early));
+        lost.push(("excluded on the way".to_owned(), excluded_early));
     }
     let began = people.len() - began_lost;
     let finished = began - on_the_way - excluded_early;
     let late = excluded - excluded_early;
     let exclusions = if late > 0 {
-        vec![("were excluded, for reasons listed below".to_owned(), late)]
+        vec![("excluded, for reasons listed below".to_owned(), late)]
     } else {
         Vec::new()
     };

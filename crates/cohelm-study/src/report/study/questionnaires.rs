@@ -1,7 +1,7 @@
 //! What was asked after the modes: each item as the paper's Table I has it, and the scores compared.
 
 use super::{Study, primary, push_figure};
-use crate::analysis::{Outcome, Source};
+use crate::analysis::{Outcome, Quantity, Source};
 use crate::apa;
 use crate::design::AnswerKind;
 use crate::figures::{BoxPlot, Heading};
@@ -51,6 +51,7 @@ fn one(study: &Study<'_>, questionnaire: &Questionnaire, document: &mut Document
         document
             .push(Block::Table(tables::any_difference(&scores, "Its scores, compared between the modes.")));
     }
+    document.blocks.extend(at_the_end(study, questionnaire).map(Block::Table));
     for outcome in scores.iter().filter(|outcome| outcome.quantity.key.ends_with("/overall")) {
         let measure = outcome.quantity.measure();
         let boxes = BoxPlot {
@@ -69,6 +70,34 @@ fn one(study: &Study<'_>, questionnaire: &Questionnaire, document: &mut Document
         );
         document.push(Block::Table(tables::pairs(&measure, &outcome.pairs)));
     }
+}
+
+/// The scores of a questionnaire that was asked at the end, if it was.
+fn at_the_end(study: &Study<'_>, questionnaire: &Questionnaire) -> Option<Table> {
+    let of_it = |quantity: &Quantity| matches!(&quantity.source, Source::Score { instrument, .. } if *instrument == questionnaire.name);
+    let row = |quantity: Quantity| {
+        let value = |person: usize| quantity.value_at_the_end(study.data, person);
+        let values: Vec<f64> = study.data.analysed().into_iter().filter_map(value).collect();
+        let mut cells = vec![quantity.measure().title(), values.len().to_string()];
+        match describe(&values) {
+            Ok(s) => cells.extend([
+                apa::number(s.mean, 1),
+                s.sd.map_or_else(|| "–".to_owned(), |sd| apa::number(sd, 1)),
+                format!("{} to {}", apa::number(s.min, 1), apa::number(s.max, 1)),
+            ]),
+            Err(_) => cells.extend(["–", "–", "–"].map(str::to_owned)),
+        }
+        cells.into_iter().map(Text::from).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<Text>> = Quantity::end_scores(study.data).into_iter().filter(of_it).map(row).collect();
+    let align = |i: usize| if i == 0 { Align::Left } else { Align::Right };
+    let heads = ["Score", "n", "Mean", "SD", "Range"];
+    (!rows.is_empty()).then(|| Table {
+        caption: Text::from("Its scores at the end, about all modes together."),
+        columns: heads.into_iter().enumerate().map(|(i, head)| (Text::from(head), align(i))).collect(),
+        rows,
+        notes: Vec::new(),
+    })
 }
 
 fn is_about(study: &Study<'_>, answer: &crate::dataset::Answer, questionnaire: &Questionnaire) -> bool {
