@@ -84,6 +84,9 @@ pub struct Design {
     /// Questionnaires of this study's own, besides the built-in ones.
     #[serde(default)]
     pub questionnaires: Vec<Questionnaire>,
+    /// Read before each block's flights. Default: that the controls answer differently in each mode.
+    #[serde(default = "defaults::block_text")]
+    pub block_text: Words,
     /// Read after everything else. Default: that this was
     /// the last part, and whom to write to.
     #[serde(default = "defaults::debrief")]
@@ -299,6 +302,12 @@ impl Design {
     /// Reads and checks a study's file.
     pub fn from_toml(text: &str) -> Result<Self, DesignError> {
         read::read(text)
+    }
+
+    /// Whether it can be flown with the plants and models there are. What a program has not, or what a plant refuses, is
+    /// told with its place in the file.
+    pub fn check_with(&self, catalogue: &dyn Catalogue) -> Result<PlantFacts, DesignError> {
+        read::check_with(self, catalogue)
     }
 
     /// SHA-256 of the file's bytes, in hexadecimal: names this version of the study.

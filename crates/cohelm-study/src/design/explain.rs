@@ -4,7 +4,7 @@ mod cautions;
 
 use super::timeline::{Step, StepKind, steps};
 use super::{Condition, Design, Feedback, Order, PlantFacts, Practice, estimate, schedule};
-use crate::questionnaires;
+use crate::{measures, questionnaires};
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
 use cohelm::intent::Inference;
@@ -62,14 +62,8 @@ fn as_listed(design: &Design) -> schedule::Assignment {
 }
 
 fn sentences(design: &Design, facts: Option<&PlantFacts>, minutes: f64) -> Vec<String> {
-    let hours = f64::from(design.planned_participants) * minutes / 60.0;
     vec![
-        format!(
-            "{} participants are to finish. Each flies {} ({}): about {minutes:.0} minutes, {hours:.0} hours for all.",
-            design.planned_participants,
-            count(design.conditions.len(), "condition"),
-            if design.conditions.len() > 1 { "within-subject" } else { "one group" },
-        ),
+        who(design, minutes),
         flown(design, facts),
         ordered(design),
         practised(design),
@@ -77,6 +71,24 @@ fn sentences(design: &Design, facts: Option<&PlantFacts>, minutes: f64) -> Vec<S
         primary(design),
         excluded(design),
     ]
+}
+
+fn who(design: &Design, minutes: f64) -> String {
+    let flights = design
+        .conditions
+        .iter()
+        .map(|condition| condition.practice_episodes + condition.measured_episodes)
+        .sum::<u32>();
+    let hours = (f64::from(design.planned_participants) * minutes / 60.0).ceil();
+    format!(
+        "{} to finish. Each flies {} ({}), {}: about {minutes:.0} minutes, {} for all.",
+        count(design.planned_participants as usize, "participant")
+            + if design.planned_participants == 1 { " is" } else { " are" },
+        count(design.conditions.len(), "condition"),
+        if design.conditions.len() > 1 { "within-subject" } else { "one group" },
+        count(flights as usize, "flight"),
+        count(hours as usize, "hour"),
+    )
 }
 
 fn flown(design: &Design, facts: Option<&PlantFacts>) -> String {
@@ -161,8 +173,12 @@ fn primary(design: &Design) -> String {
     };
     let said =
         primary.hypothesis.as_ref().map_or(String::new(), |hypothesis| format!(" Hypothesis: {hypothesis}"));
-    let bounds = design.equivalence.iter().map(|(measure, bound)| format!("{measure} ±{bound}"));
-    let bounds: Vec<String> = bounds.collect();
+    let written = |key: &str, bound: f64| match measures::measure(key) {
+        Some(measure) => measure.write_difference(bound),
+        None => bound.to_string(),
+    };
+    let bounds: Vec<String> =
+        design.equivalence.iter().map(|(key, &bound)| format!("{key} ±{}", written(key, bound))).collect();
     let sameness = if bounds.is_empty() {
         String::new()
     } else {
@@ -178,22 +194,29 @@ fn excluded(design: &Design) -> String {
     let rules = &design.exclusion;
     let percent = |share: f64| format!("{} %", 100.0 * share);
     let found = [
-        rules.failed_checks_over.map(|most| format!("more than {most} attention checks failed")),
+        rules
+            .failed_checks_over
+            .map(|most| format!("more than {} failed", count(most as usize, "attention check"))),
         rules.late_ticks_over.map(|share| format!("more than {} of the ticks late", percent(share))),
         rules
             .inattentive_flights_over
             .map(|share| format!("more than {} of the flights without attention", percent(share))),
-        rules.interrupted_flights_over.map(|most| format!("more than {most} flights interrupted")),
+        rules
+            .interrupted_flights_over
+            .map(|most| format!("more than {} interrupted", count(most as usize, "flight"))),
         rules
             .silent_flights_over
             .map(|share| format!("more than {} of the flights without a key", percent(share))),
         rules.failed_quiz.then(|| "quiz failed".to_owned()),
     ];
     let found: Vec<String> = found.into_iter().flatten().collect();
-    if found.is_empty() {
-        return "Everyone who finishes is analysed.".to_owned();
-    }
-    format!("Left out of the confirmatory analysis: {}.", found.join("; "))
+    let left_out = if found.is_empty() {
+        "Everyone who finishes is analysed.".to_owned()
+    } else {
+        format!("Left out of the confirmatory analysis: {}.", found.join("; "))
+    };
+    let device = if design.refuses_slow_devices() { " A device that cannot keep up is refused." } else { "" };
+    left_out + device
 }
 
 fn conditions(design: &Design) -> Table {
@@ -286,7 +309,9 @@ fn way_of_one(design: &Design, way: &[Step], minutes: f64) -> Table {
         match rows.last_mut() {
             Some((last_part, last_what, sum)) if *last_part == part => {
                 *sum += took;
-                if !last_what.split(", ").any(|known| known == what) {
+                if last_what.is_empty() {
+                    *last_what = what;
+                } else if !what.is_empty() && !last_what.split(", ").any(|known| known == what) {
                     *last_what = format!("{last_what}, {what}");
                 }
             }
@@ -319,7 +344,7 @@ fn what_of(design: &Design, step: &Step) -> String {
         StepKind::Demographics => count(design.demographics.len(), "question"),
         StepKind::Instructions => count(design.instructions.pages.len(), "page") + " of instructions",
         StepKind::Quiz => "quiz".to_owned(),
-        StepKind::Block(_) => "announced by a neutral label".to_owned(),
+        StepKind::Block(_) => String::new(),
         StepKind::Flight(place) if place.practice => count(place.of as usize, "practice flight"),
         StepKind::Flight(place) => count(place.of as usize, "measured flight"),
         StepKind::Break => "break".to_owned(),

@@ -1,6 +1,6 @@
 //! From a study's file to a design, or to what is wrong with it, where, and what was meant perhaps.
 
-use super::{Design, DesignError, Problem, check};
+use super::{Catalogue, Design, DesignError, PlantFacts, Problem, check};
 use toml::de::{DeTable, DeValue};
 
 /// Reads and checks a study's file.
@@ -8,15 +8,33 @@ pub(super) fn read(text: &str) -> Result<Design, DesignError> {
     let mut design: Design = toml::from_str(text).map_err(|error| unreadable(text, &error))?;
     design.text = text.to_owned();
     let complaints = check::complaints(&design);
-    if complaints.is_empty() {
-        return Ok(design);
-    }
-    let mut problems: Vec<Problem> = complaints
-        .into_iter()
-        .map(|(path, message)| Problem { at: place_of(text, &path), message: format!("{path}: {message}") })
+    if complaints.is_empty() { Ok(design) } else { Err(located(text, complaints)) }
+}
+
+/// Asks whoever knows plants and models.
+pub(super) fn check_with(design: &Design, catalogue: &dyn Catalogue) -> Result<PlantFacts, DesignError> {
+    let facts = catalogue
+        .check_task(&design.task.task)
+        .map_err(|reason| located(&design.text, vec![("task.plant".to_owned(), reason)]))?;
+    let conditions = design.conditions.iter().enumerate();
+    let complaints: Vec<_> = conditions
+        .filter_map(|(index, condition)| {
+            let reason = catalogue.check_condition(design, condition).err()?;
+            Some((format!("conditions[{index}].rule"), reason))
+        })
         .collect();
+    if complaints.is_empty() { Ok(facts) } else { Err(located(&design.text, complaints)) }
+}
+
+/// Complaints in the order of the file.
+fn located(text: &str, complaints: Vec<(String, String)>) -> DesignError {
+    let problem = |(path, message): (String, String)| Problem {
+        at: place_of(text, &path),
+        message: format!("{path}: {message}"),
+    };
+    let mut problems: Vec<Problem> = complaints.into_iter().map(problem).collect();
     problems.sort_by_key(|problem| problem.at);
-    Err(DesignError { problems })
+    DesignError { problems }
 }
 
 fn unreadable(text: &str, error: &toml::de::Error) -> DesignError {

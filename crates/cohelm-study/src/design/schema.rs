@@ -141,7 +141,7 @@ fn word_of(json_type: &str) -> &str {
         "integer" => "whole number",
         "number" => "number",
         "boolean" => "true or false",
-        other if other == "object" => "table",
+        "object" => "table",
         other => other,
     }
 }

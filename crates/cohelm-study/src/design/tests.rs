@@ -118,6 +118,45 @@ fn a_panel_needs_what_its_addresses_name() {
     );
 }
 
+/// Knows one plant, and models for all rules but linear arbitration.
+struct SmallCatalogue;
+
+impl Catalogue for SmallCatalogue {
+    fn check_task(&self, task: &cohelm::registry::Task) -> Result<PlantFacts, String> {
+        let facts = PlantFacts { ticks_per_second: 50.0, limit_ticks: None };
+        if task.plant == "flag-lander" {
+            Ok(facts)
+        } else {
+            Err(format!("no plant is called {:?}", task.plant))
+        }
+    }
+
+    fn check_condition(&self, _: &Design, condition: &Condition) -> Result<(), String> {
+        if condition.rule == cohelm::arbitration::Rule::Lasc {
+            Err("there is no model".to_owned())
+        } else {
+            Ok(())
+        }
+    }
+}
+
+#[test]
+fn what_a_program_has_not_is_told_with_its_place_too() {
+    let said = |text: &str| {
+        let design = Design::from_toml(text).expect("well-formed");
+        design.check_with(&SmallCatalogue).expect_err("must be refused").to_string()
+    };
+    let text = shipped("pilot");
+    let line_of = |words: &str| text.lines().position(|line| line == words).expect("it is there") + 1;
+    let expected =
+        format!("line {}, column 1: conditions[1].rule: there is no model", line_of("rule = \"lasc\""));
+    assert_eq!(said(&text), expected);
+    let expected =
+        format!("line {}, column 1: task.plant: no plant is called", line_of("plant = \"flag-lander\""));
+    let other = said(&text.replace("plant = \"flag-lander\"", "plant = \"moon-lander\""));
+    assert!(other.starts_with(&expected), "{other}");
+}
+
 #[test]
 fn the_hash_is_of_the_bytes() {
     let text = shipped("pilot");
@@ -250,7 +289,9 @@ mod explained {
         let said = words("better");
         for line in [
             "block 1  block 2  block 3  block 4  block 5  participants",
-            "40 participants are to finish. Each flies 5 conditions (within-subject)",
+            "40 participants are to finish. Each flies 5 conditions (within-subject), 100 flights: about 46 minutes, 31 hours for all.",
+            "Tests of equivalence: steps ±25.0, success ±10.0\u{a0}points.",
+            "more than 1 attention check failed; more than 5 % of the ticks late;",
             "A flight lasts at most 20 seconds (1000 ticks).",
             "The primary outcome is agency/positive over lasc and misc, α = 0.05.",
             "Asked after some conditions only, and compared among these: trust.",

@@ -26,7 +26,7 @@ fn at_the_quiz() -> Walk {
 #[test]
 fn a_session_goes_from_consent_to_thanks() {
     let mut walk = consented(true);
-    walk.to_the_end();
+    walk.finish();
     let session = &walk.session;
     assert_eq!(session.status(), Status::Completed);
     assert_eq!(session.current().map(|step| step.id.as_str()), Some("thanks"));
@@ -338,7 +338,7 @@ fn the_panels_address_is_filled_in_and_encoded() {
     walk.answer("consent", json!({ "agreed": true })).expect("taken");
     walk.assign(3);
     assert_eq!(walk.session.return_address(&walk.design), None, "not yet");
-    walk.to_the_end();
+    walk.finish();
     let code = walk.session.code().expect("completed").to_owned();
     let expected = format!("https://panel.example/done?cc={code}&p=a%26b%2F%C3%BC");
     assert_eq!(walk.session.return_address(&walk.design), Some(expected));

@@ -117,7 +117,7 @@ impl Walk {
         }
     }
 
-    pub fn to_the_end(&mut self) {
+    pub fn finish(&mut self) {
         self.up_to("thanks");
     }
 
