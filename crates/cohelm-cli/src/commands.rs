@@ -4,6 +4,7 @@ pub mod bench;
 pub mod episodes;
 pub mod evaluate;
 pub mod fly;
+mod kills;
 pub mod reproduce;
 pub mod study;
 pub mod train;

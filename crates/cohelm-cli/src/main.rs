@@ -2,7 +2,6 @@
 #![forbid(unsafe_code)]
 
 mod commands;
-mod database;
 mod live;
 mod numbers;
 mod output;

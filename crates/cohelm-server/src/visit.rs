@@ -18,7 +18,7 @@ pub use aloft::{Aloft, NoKeys};
 pub use desk::Desk;
 pub use line::Line;
 pub use planned::Planned;
-pub use visitor::{Heard, Manner, Pace, TakeOff, Visited, Visitor};
+pub use visitor::{Heard, Manner, Pace, TakeOff, Visited, Visitor, Witness};
 
 use crate::protocol::{ProtocolError, ToPage};
 use std::net::SocketAddr;

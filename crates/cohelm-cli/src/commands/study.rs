@@ -3,11 +3,11 @@
 mod backup;
 mod check;
 pub mod data;
-mod dry_run;
+pub mod dry_run;
 mod export;
 mod power;
 mod run;
-mod shelf;
+pub mod shelf;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -32,6 +32,8 @@ pub enum Study {
     Report(export::Report),
     /// Copy a database into a file while a study runs.
     Backup(backup::Backup),
+    /// Put a backup into a new or empty database.
+    Restore(backup::Restore),
 }
 
 impl Study {
@@ -46,6 +48,7 @@ impl Study {
             Self::Export(export) => export.run(),
             Self::Report(report) => report.run(),
             Self::Backup(backup) => backup.run(),
+            Self::Restore(restore) => restore.run(),
         }
     }
 }

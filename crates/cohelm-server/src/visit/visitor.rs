@@ -1,6 +1,6 @@
 //! One participant, from link to thanks.
 
-use super::http::Http;
+use super::http::{Answer, Http};
 use super::session::{Place, answer, telemetry};
 use super::{Aloft, Line, Planned, VisitError};
 use crate::follow::MAX_CHUNK_TICKS;
@@ -10,6 +10,7 @@ use cohelm::plant::Ending;
 use cohelm::trajectory::{MAX_TICKS, Setup};
 use cohelm_study::design::timeline::{ShownContent, ShownFlight};
 use cohelm_study::session::Status;
+use hyper::StatusCode;
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -21,6 +22,9 @@ const LOOK_AGAIN: Duration = Duration::from_millis(100);
 
 /// Puts a simulated person into a flight of this setup.
 pub type TakeOff = dyn Fn(Setup) -> Result<Aloft, String> + Send + Sync;
+
+/// Notes what the server says is stored.
+pub type Witness = dyn Fn(&str, Heard) + Send + Sync;
 
 /// How fast a visitor flies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,11 +44,18 @@ pub struct Manner {
     pub pace: Pace,
     /// How long the server may be away before the visit is given up.
     pub patience: Duration,
+    /// Is told what the server says is stored, and of whom: the participant's code comes first.
+    pub witness: Arc<Witness>,
 }
 
 /// Something that the server has said is stored for good.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
+    /// An answer to a step, or what ends it.
+    Step {
+        /// Which step.
+        id: String,
+    },
     /// So many ticks of an episode.
     Ack {
         /// Which episode.
@@ -88,25 +99,20 @@ pub struct Visitor {
     tab: String,
     manner: Manner,
     line: Option<Line>,
-    heard: Vec<Heard>,
+    code: String,
     flights: u32,
 }
 
 impl Visitor {
     /// Follows a participant's link, given as its path, such as `/p/TOKEN`.
     pub async fn join(address: SocketAddr, path: &str, manner: Manner) -> Result<Self, VisitError> {
-        let mut http = Http::new(address);
-        let entered = http.get(path).await?;
+        let (http, tab) = (Http::new(address), "simulated".to_owned());
+        let mut visitor = Self { address, http, tab, manner, line: None, code: String::new(), flights: 0 };
+        let entered = visitor.ask(path, None).await?;
         if entered.location.is_none() {
             entered.expect("following the link")?;
         }
-        let tab = "simulated".to_owned();
-        Ok(Self { address, http, tab, manner, line: None, heard: Vec::new(), flights: 0 })
-    }
-
-    /// Everything that the server said is stored, in the order in which it said so.
-    pub fn heard(&self) -> &[Heard] {
-        &self.heard
+        Ok(visitor)
     }
 
     /// Goes through all steps that are left.
@@ -116,6 +122,7 @@ impl Visitor {
         if !place.participant.simulated {
             return Err(VisitError::NotSimulated(place.participant.code));
         }
+        self.code.clone_from(&place.participant.code);
         loop {
             let step = match place.steps.into_iter().next() {
                 Some(step) if !matches!(step.content, ShownContent::Thanks { .. }) => step,
@@ -133,18 +140,34 @@ impl Visitor {
                 json!({ "tab": self.tab, "data": data, "page_ms": begun.elapsed().as_secs_f64() * 1e3 });
             let path = format!("/api/session/steps/{}", step.id);
             place = self.post(&path, &body, &step.id).await?;
+            self.note(Heard::Step { id: step.id });
         }
     }
 
-    /// Posts until the server is there: whatever is posted here may come twice.
+    fn note(&self, heard: Heard) {
+        (self.manner.witness)(&self.code, heard);
+    }
+
     async fn post(&mut self, path: &str, body: &Value, what: &str) -> Result<Place, VisitError> {
+        Place::read(self.ask(path, Some(body)).await?.expect(what)?)
+    }
+
+    /// Asks until the server is there: whatever is asked here may come twice.
+    async fn ask(&mut self, path: &str, body: Option<&Value>) -> Result<Answer, VisitError> {
         let given_up = Instant::now() + self.manner.patience;
         loop {
-            match self.http.post(path, body).await {
-                Ok(answer) => return Place::read(answer.expect(what)?),
-                Err(error) if error.is_absence() && Instant::now() < given_up => sleep(LOOK_AGAIN).await,
-                Err(error) => return Err(error),
+            let asked = match body {
+                Some(body) => self.http.post(path, body).await,
+                None => self.http.get(path).await,
+            };
+            let absent = match &asked {
+                Ok(answer) => answer.status == StatusCode::SERVICE_UNAVAILABLE,
+                Err(error) => error.is_absence(),
+            };
+            if !absent || Instant::now() >= given_up {
+                return asked;
             }
+            sleep(LOOK_AGAIN).await;
         }
     }
 
@@ -193,18 +216,19 @@ impl Visitor {
             Some(line) => line,
             none => none.insert(Line::connect(self.address, self.http.cookies().as_deref()).await?),
         };
+        let note = |heard| (self.manner.witness)(&self.code, heard);
         line.say(&flight.begin(begun.elapsed())).await?;
         let (episode, committed) = match line.answer().await? {
             ToPage::Begun { episode, committed_tick } => (episode, committed_tick),
             ToPage::Finished { episode } => {
-                self.finished(flight, episode);
+                note(finished(flight, episode));
                 return Ok(());
             }
             ToPage::Refused { reason } => return Err(VisitError::Refused(reason)),
             said => return Err(VisitError::OutOfTurn { expected: "the flight's beginning".into(), said }),
         };
         if again && committed > 0 {
-            self.heard.push(Heard::Resumed { episode, from_tick: committed });
+            note(Heard::Resumed { episode, from_tick: committed });
         }
         for piece in flight.pieces.iter().filter(|piece| piece.to_tick > committed) {
             if self.manner.pace == Pace::RealTime {
@@ -213,7 +237,7 @@ impl Visitor {
             line.say(&FromPage::Chunk(piece.clone())).await?;
             match line.answer().await? {
                 ToPage::Ack { committed_tick } if committed_tick == piece.to_tick => {
-                    self.heard.push(Heard::Ack { episode, ticks: committed_tick });
+                    note(Heard::Ack { episode, ticks: committed_tick });
                 }
                 ToPage::Refused { reason } => return Err(VisitError::Refused(reason)),
                 said => {
@@ -225,18 +249,18 @@ impl Visitor {
         line.say(&FromPage::End(flight.end)).await?;
         match line.answer().await? {
             ToPage::Finished { episode } => {
-                self.finished(flight, episode);
+                note(finished(flight, episode));
                 Ok(())
             }
             ToPage::Refused { reason } => Err(VisitError::Refused(reason)),
             said => Err(VisitError::OutOfTurn { expected: "the flight's end".into(), said }),
         }
     }
+}
 
-    fn finished(&mut self, flight: &Planned, episode: EpisodeId) {
-        let (ending, ticks) = (flight.end.ending, flight.end.ticks);
-        self.heard.push(Heard::Finished { episode, ending, ticks });
-    }
+fn finished(flight: &Planned, episode: EpisodeId) -> Heard {
+    let (ending, ticks) = (flight.end.ending, flight.end.ticks);
+    Heard::Finished { episode, ending, ticks }
 }
 
 /// The key of 32 hexadecimal digits.

@@ -1,10 +1,10 @@
-//! `cohelm study backup`: everything that is stored, as one SQLite file.
+//! `cohelm study backup` and `restore`: everything that is stored, as one SQLite file.
 
 use super::run::shown;
-use crate::database::open_existing;
 use crate::output::say;
 use anyhow::Result;
 use clap::Args;
+use cohelm_server::store::{open_existing, restore};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,6 +18,15 @@ pub struct Backup {
     to: PathBuf,
 }
 
+/// Puts a backup into a database, which must be new or empty.
+#[derive(Args)]
+pub struct Restore {
+    /// The file that `backup` wrote.
+    backup: PathBuf,
+    /// The database to fill: a file or postgres://….
+    database: OsString,
+}
+
 impl Backup {
     /// Runs the command.
     pub fn run(self) -> Result<ExitCode> {
@@ -26,9 +35,19 @@ impl Backup {
             let store = open_existing(&self.database).await?;
             let copied = store.backup(&self.to).await;
             store.close().await;
-            anyhow::Ok(copied?)
+            copied
         })?;
         say(&format!("{} is copied to {}", shown(&self.database), self.to.display()));
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Restore {
+    /// Runs the command.
+    pub fn run(self) -> Result<ExitCode> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        runtime.block_on(restore(&self.backup, &self.database))?;
+        say(&format!("{} is filled from {}", shown(&self.database), self.backup.display()));
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -1,8 +1,7 @@
 //! A study's records, from a database or an archive, and what they give when they are flown again.
 
-use crate::database::open_existing;
 use anyhow::{Context, Result, bail};
-use cohelm_server::store::{Episode, ParticipantId, Store, StoredStudy, unpack};
+use cohelm_server::store::{Episode, ParticipantId, Store, StoredStudy, open_existing, unpack};
 use cohelm_study::dataset::{ParticipantRecord, StudyRecords, TrialRecord};
 use cohelm_study::design::Design;
 use cohelm_study::export::read_archive;

@@ -4,7 +4,6 @@ use super::data::records_of;
 use super::export::{export, report};
 use super::run::lessons;
 use super::shelf::Shelf;
-use crate::database::open;
 use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
@@ -19,8 +18,8 @@ use cohelm_lab::study::dataset;
 use cohelm_server::hosts::Hosts;
 use cohelm_server::page::Assets;
 use cohelm_server::secret::{SecretHash, Token};
-use cohelm_server::store::Store;
-use cohelm_server::visit::{Aloft, Desk, Manner, Pace, Visited, Visitor};
+use cohelm_server::store::{Store, open};
+use cohelm_server::visit::{Aloft, Desk, Manner, Pace, TakeOff, Visited, Visitor};
 use cohelm_server::{Parts, Server, StudyRun, bind, serve};
 use cohelm_study::dataset::{Dataset, StudyRecords};
 use cohelm_study::design::Design;
@@ -208,19 +207,13 @@ impl Crowd {
         Ok(visited)
     }
 
-    /// Who one of them is: the same person for the same seed and number.
     fn manner(&self, shelf: Arc<Shelf>, number: u64) -> Manner {
-        let (population, seed) = (self.population, self.seed);
-        let take_off = move |setup: Setup| -> Result<Aloft, String> {
-            let told = |error: &dyn std::fmt::Display| error.to_string();
-            let plant = shelf.plants.make(&setup.task).map_err(|error| told(&error))?;
-            let person = rig::simulated_person(plant.as_ref(), population, seed, number)?;
-            let made = cockpit(&setup, plant.as_ref(), &shelf.plants, &shelf.models);
-            let pilot_seed = mix_seed(mix_seed(seed, number), setup.seed);
-            let flight = Flight::new(setup, plant, made.map_err(|error| told(&error))?);
-            Aloft::new(flight, person, pilot_seed).map_err(|error| told(&error))
-        };
-        Manner { take_off: Arc::new(take_off), pace: Pace::AsFastAsPossible, patience: PATIENCE }
+        Manner {
+            take_off: take_off(shelf, self.population, self.seed, number),
+            pace: Pace::AsFastAsPossible,
+            patience: PATIENCE,
+            witness: Arc::new(|_, _| {}),
+        }
     }
 
     fn bar(&self) -> ProgressBar {
@@ -232,6 +225,18 @@ impl Crowd {
         bar.set_style(style.expect("the template is fixed"));
         bar
     }
+}
+
+/// How participant `number` takes off: the same person for the same seed and number, whatever is flown.
+pub fn take_off(shelf: Arc<Shelf>, population: Population, seed: u64, number: u64) -> Arc<TakeOff> {
+    Arc::new(move |setup: Setup| {
+        let plant = shelf.plants.make(&setup.task).map_err(|error| error.to_string())?;
+        let person = rig::simulated_person(plant.as_ref(), population, seed, number)?;
+        let made = cockpit(&setup, plant.as_ref(), &shelf.plants, &shelf.models);
+        let pilot_seed = mix_seed(mix_seed(seed, number), setup.seed);
+        let flight = Flight::new(setup, plant, made.map_err(|error| error.to_string())?);
+        Aloft::new(flight, person, pilot_seed).map_err(|error| error.to_string())
+    })
 }
 
 /// Simulated participants have a database of their own: nobody is to sort them out from among people later.

@@ -2,7 +2,6 @@
 
 use super::shelf::Shelf;
 use crate::commands::fly::{start_log, stop_signal};
-use crate::database::open;
 use crate::live;
 use crate::numbers::whole;
 use crate::output::say;
@@ -12,7 +11,7 @@ use cohelm_server::hosts::Hosts;
 use cohelm_server::learn::Lessons;
 use cohelm_server::page::Assets;
 use cohelm_server::secret::{SecretHash, Token};
-use cohelm_server::store::Store;
+use cohelm_server::store::{Store, open};
 use cohelm_server::tls::Tls;
 use cohelm_server::{Parts, Server, StudyRun, bind, serve, serve_tls};
 use cohelm_study::design::Design;
