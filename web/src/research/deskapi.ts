@@ -28,7 +28,10 @@ export interface StudyReport {
   cells: Cell[];
   /** Where anybody can join, if the study lets them. */
   open_link: string | null;
+  /** People by status, without tests and bots. */
   counts: Partial<Record<Status, number>>;
+  tests: number;
+  simulated: number;
 }
 
 /** A participant as the table has it. */
