@@ -49,7 +49,7 @@ export class Participant {
     if (name === 'quiz') await this.quiz();
     if (name === 'device') await this.device();
     else if (name === 'flight-ready' || name === 'flight-interrupted') await this.fly();
-    else if (name === 'flight-saving' || name === 'flight-loading') await page.waitForTimeout(200);
+    else if (['opening', 'flight-saving', 'flight-loading'].includes(name)) await page.waitForTimeout(200);
     else if (name.startsWith('flight-')) await page.keyboard.press('Enter');
     else await this.goOn();
   }
