@@ -180,6 +180,7 @@ function liveWords(
     const { sign, word } = ENDING_WORDS[following.ending ?? 'abandoned'];
     return { state: 'over', words: `${sign} ${word} · ${exact}` };
   }
+  if (following.ticks.length === 0) return { state: 'waits', words: 'Taking off…' };
   if (playback.waits) return { state: 'waits', words: `Waiting: the flight is paused, or its log is late · ${exact}` };
   return { state: 'live', words: `live, ${playback.behind_s(now).toFixed(1)} s behind · ${exact}` };
 }
