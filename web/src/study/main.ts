@@ -56,7 +56,7 @@ class Page {
       takenOver: () => this.place.close('taken-over'),
     });
     const { deck, place, words, frame } = this;
-    const keys = new KeyChoice();
+    const keys = new KeyChoice(place.session.participant.code);
     const study: Study = { place, words, deck, keys, refreshHz, inTheAir: (flying) => frame.fly(flying) };
     const display = element('div', { class: 'display' });
     frame.main.replaceChildren(display);

@@ -14,19 +14,20 @@ describe('chosen keys', () => {
   beforeEach(() => localStorage.clear());
 
   it('are the plant’s until somebody chooses', () => {
-    const choice = new KeyChoice();
+    const choice = new KeyChoice('P');
     expect(choice.bind(CONTROLS)).toEqual(CONTROLS);
     expect(choice.isInUse).toBe(false);
   });
 
   it('replace all keys of a control, and outlive a reload', () => {
-    new KeyChoice().choose(CONTROLS, 'main', 'KeyK');
-    expect(keysOf(new KeyChoice())).toEqual(['ArrowLeft KeyA', 'KeyK', 'ArrowRight KeyD']);
-    expect(new KeyChoice().isInUse).toBe(true);
+    new KeyChoice('P').choose(CONTROLS, 'main', 'KeyK');
+    expect(keysOf(new KeyChoice('P'))).toEqual(['ArrowLeft KeyA', 'KeyK', 'ArrowRight KeyD']);
+    expect(new KeyChoice('P').isInUse).toBe(true);
+    expect(new KeyChoice('another').isInUse).toBe(false);
   });
 
   it('never fly two controls at once', () => {
-    const choice = new KeyChoice();
+    const choice = new KeyChoice('P');
     choice.choose(CONTROLS, 'main', 'KeyA');
     expect(keysOf(choice)).toEqual(['ArrowLeft', 'KeyA', 'ArrowRight KeyD']);
     choice.choose(CONTROLS, 'left', 'KeyA');
@@ -34,7 +35,7 @@ describe('chosen keys', () => {
   });
 
   it('can be given back', () => {
-    const choice = new KeyChoice();
+    const choice = new KeyChoice('P');
     choice.choose(CONTROLS, 'main', 'KeyK');
     choice.reset();
     expect(choice.bind(CONTROLS)).toEqual(CONTROLS);
@@ -46,7 +47,7 @@ describe('chosen keys', () => {
   });
 
   it('that make no sense are the usual ones', () => {
-    localStorage.setItem('cohelm.keys.1', '{"main": 3, "left": "Escape"}');
-    expect(new KeyChoice().bind(CONTROLS)).toEqual(CONTROLS);
+    localStorage.setItem('cohelm.keys.1.P', '{"main": 3, "left": "Escape"}');
+    expect(new KeyChoice('P').bind(CONTROLS)).toEqual(CONTROLS);
   });
 });

@@ -123,7 +123,7 @@ async function enter(): Promise<void> {
   root = document.createElement('div');
   document.body.replaceChildren(root);
   vi.useFakeTimers();
-  const study = { place, words: en, deck, keys: new KeyChoice(), refreshHz: 60, inTheAir: () => {} };
+  const study = { place, words: en, deck, keys: new KeyChoice('P-007'), refreshHz: 60, inTheAir: () => {} };
   void runTimeline(initJsPsych({ display_element: root }), study, (show) => (inTheAir = show));
   await passes(50);
 }
