@@ -77,7 +77,7 @@ pub struct Choice {
 
 /// A choice as the file gives it.
 #[derive(Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "a text, or a table { value = \"…\", text = … }")]
+#[serde(untagged, expecting = "expected a text, or a table { value = \"…\", text = … }")]
 enum ChoiceTable {
     /// A text that is its own value.
     Plain(String),

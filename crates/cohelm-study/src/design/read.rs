@@ -39,8 +39,8 @@ fn located(text: &str, complaints: Vec<(String, String)>) -> DesignError {
 
 fn unreadable(text: &str, error: &toml::de::Error) -> DesignError {
     let at = error.span().map(|span| line_and_column(text, span.start));
-    let message = error.message().trim_end().to_owned();
-    let message = suggestion(&message).unwrap_or(message);
+    let message = error.message().trim_end();
+    let message = suggestion(message).unwrap_or_else(|| plain(message));
     DesignError { problems: vec![Problem { at, message }] }
 }
 
@@ -58,6 +58,27 @@ fn suggestion(message: &str) -> Option<String> {
         Some(near) => format!("unknown {word} `{got}`; did you mean `{near}`? Known here: {known}"),
         None => format!("unknown {word} `{got}`. Known here: {known}"),
     })
+}
+
+/// A reader's message in the words of somebody who writes no Rust.
+fn plain(message: &str) -> String {
+    if let Some(key) = message.strip_prefix("missing field ") {
+        return format!("the key {key} is missing here");
+    }
+    let rest = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
+    let Some((got, expected)) = rest.and_then(|rest| rest.split_once(", expected ")) else {
+        return message.to_owned();
+    };
+    let expected = match expected {
+        "u32" => "a whole number from 0 to 4294967295",
+        "u64" => "a whole number of 0 or more",
+        "f64" => "a number",
+        "a boolean" => "true or false",
+        "a string" => "a text in quotes",
+        "a sequence" => "a list in brackets",
+        other => other,
+    };
+    format!("expected {expected}, got {got}")
 }
 
 /// The word that is fewest changes away, of those that are near at all: a third of the letters may differ, or one word

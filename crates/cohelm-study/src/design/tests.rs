@@ -37,6 +37,34 @@ fn an_unknown_key_is_named_with_its_place_and_the_nearest() {
 }
 
 #[test]
+fn what_cannot_be_read_is_told_in_plain_words() {
+    let cases = [
+        (
+            "planned-participants = 6",
+            "planned-participants = \"six\"",
+            "a whole number from 0 to 4294967295, got string \"six\"",
+        ),
+        (
+            "planned-participants = 6",
+            "planned-participants = -6",
+            "a whole number from 0 to 4294967295, got integer `-6`",
+        ),
+        ("rule = \"hic\"\n", "", "the key `rule` is missing here"),
+        (
+            "title = { en = \"The keys\", de = \"Die Tasten\" }",
+            "title = 3",
+            "expected a text, or a table with one text for each",
+        ),
+        ("    { value = \"never\"", "    { valeu = \"never\"", "expected a text, or a table { value = "),
+        ("order = \"williams\"", "order = williams", "must be quoted"),
+    ];
+    for (from, to, expected) in cases {
+        let said = complaint(from, to);
+        assert!(said.starts_with("line ") && said.contains(expected), "{to}: {said}");
+    }
+}
+
+#[test]
 fn what_a_file_must_keep_to_is_told_with_its_place() {
     let cases = [
         ("cohelm-study = 1", "cohelm-study = 2", "this program reads format 1, got 2"),
