@@ -49,6 +49,8 @@ fn everyone_is_accounted_for() {
     let total = dataset.analysed().len() + (0..29).filter(|&i| dataset.left_out(i).is_some()).count();
     assert_eq!(total, dataset.participants.len());
     assert_eq!(dataset.left_out(24), Some(LeftOut::Excluded));
+    assert!(text.contains("| How old are you? | 24 | mean "), "{text}");
+    assert!(text.contains("| How often do you play computer games? | 24 | never "));
     assert!(!text.contains("simulated participant"), "people are not called simulated");
 }
 

@@ -85,6 +85,7 @@ fn add_person(dataset: &mut Dataset, draw: &mut Draw, progress: Progress, exclud
         return;
     }
     let skill = draw.about();
+    tell_of_themselves(dataset, draw, participant);
     for (block, &condition) in cells[cell].iter().enumerate() {
         fly(dataset, draw, (participant, block + 1, condition), skill);
         if progress == Progress::Completed {
@@ -210,6 +211,15 @@ fn classes(draw: &mut Draw, ticks: f64) -> Vec<Class> {
         Class { ticks: here as u32, goal_right: (here * right).round() as u32, confidence: here * confidence }
     };
     (0..CLASSES).map(class).collect()
+}
+
+fn tell_of_themselves(dataset: &mut Dataset, draw: &mut Draw, participant: usize) {
+    let games = ["never", "sometimes", "often"][(3.0 * draw.unit()) as usize];
+    let age = (27.0 + 6.0 * draw.about().abs()).round();
+    for (item, value) in [("age", age.into()), ("games", games.into())] {
+        let (step, item) = ("demographics".to_owned(), item.to_owned());
+        dataset.answers.push(Answer { participant, step, condition: None, item, value });
+    }
 }
 
 /// Numbers where answers would be, so that the tables of questionnaires can be looked at.

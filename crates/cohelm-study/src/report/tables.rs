@@ -3,7 +3,7 @@
 use super::{Align, Table as Printed};
 use crate::analysis::Outcome;
 use crate::apa;
-use crate::measures::Measure;
+use crate::measures::{Measure, Range};
 use crate::statistics::{PairOfConditions, Table, Undefined, describe};
 use crate::text::Text;
 
@@ -35,9 +35,10 @@ pub fn summary(measure: &Measure<'_>, table: &Table) -> Printed {
         caption: Text::from(format!("{} in each mode, over participants.", measure.title())),
         columns: columns(heads),
         rows,
-        notes: vec![Text::from(
-            "Interval: Student’s t. SD: between participants. IQM: mean of the values between the quartiles.",
-        )],
+        notes: vec![Text::from(format!(
+            "Interval: Student’s t{}. SD: between participants. IQM: mean of the values between the quartiles.",
+            if measure.range == Range::Unit { ", cut off where no value can lie" } else { "" }
+        ))],
     }
 }
 
@@ -180,7 +181,9 @@ fn columns(heads: impl IntoIterator<Item = Text>) -> Vec<(Text, Align)> {
     heads.into_iter().enumerate().map(|(i, head)| (head, align(i))).collect()
 }
 
+/// An interval; Student's t knows nothing of the ends of a scale, so of a share it is cut off there.
 fn ends(measure: &Measure<'_>, low: f64, high: f64) -> String {
+    let (low, high) = if measure.range == Range::Unit { (low.max(0.0), high.min(1.0)) } else { (low, high) };
     format!("[{}, {}]", measure.write(low), measure.write(high))
 }
 
@@ -216,7 +219,7 @@ mod tests {
     #[test]
     fn a_row_a_condition_with_shares_as_percent() {
         let printed = summary(measure("success").unwrap(), &table(vec![vec![0.5, 0.75], vec![0.7, 0.75]]));
-        let expected = ["M1", "2", "60.0\u{202f}%", "[−67.1\u{202f}%, 187.1\u{202f}%]", "14.1\u{202f}%"];
+        let expected = ["M1", "2", "60.0\u{202f}%", "[0.0\u{202f}%, 100.0\u{202f}%]", "14.1\u{202f}%"];
         assert_eq!(texts(&printed)[0][..5], expected);
         assert_eq!(printed.columns.len(), texts(&printed)[1].len());
     }

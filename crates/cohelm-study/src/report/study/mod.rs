@@ -3,6 +3,7 @@
 //! It is a function of the data set alone: the same data and version give the same bytes.
 
 mod exploratory;
+mod items;
 mod participants;
 mod plan;
 mod primary;
@@ -30,7 +31,9 @@ pub fn study_report(dataset: &Dataset, options: &Options) -> Document {
     let study = Study { data: dataset, analysis: Analysis::of(dataset, *options), looks: looks(dataset) };
     let design = &dataset.design;
     let title = design.title.read(design.first_language(), "en");
-    let mut document = Document::new(if title.is_empty() { design.name.as_str() } else { title });
+    let title = if title.is_empty() { design.name.as_str() } else { title };
+    let marked = if dataset.simulated() { " (simulated participants)" } else { "" };
+    let mut document = Document::new(format!("{title}{marked}"));
     document.lead = study.lead();
     document.facts = study.facts();
     if dataset.simulated() {

@@ -1,8 +1,9 @@
 //! Who took part, who was lost where and why, and how well the machines ran.
 
-use super::{Study, push_figure};
+use super::{Study, items, push_figure};
 use crate::apa;
-use crate::dataset::{LeftOut, Person, Progress, Trial};
+use crate::dataset::{Answer, LeftOut, Person, Progress, Trial};
+use crate::design::Item;
 use crate::figures::{Flow, Heading, Stage};
 use crate::report::{Align, Block, Document, Table};
 use crate::statistics::describe;
@@ -28,6 +29,12 @@ pub(super) fn write(study: &Study<'_>, document: &mut Document) {
         document.push(Block::paragraph("Excluded from all analyses; their data are in the export:"));
         document.push(Block::List(excluded));
     }
+    let about_them: Vec<&Item> = study.data.design.demographics.iter().collect();
+    let is_about =
+        |answer: &Answer| answer.step == "demographics" && study.data.left_out(answer.participant).is_none();
+    let described =
+        items::table(study, "Those who are analysed, by their own account.", &about_them, is_about);
+    document.blocks.extend(described.map(Block::Table));
     document.push(Block::Table(quality(study)));
 }
 
@@ -63,11 +70,8 @@ fn flow(study: &Study<'_>) -> Flow {
     let began = people.len() - began_lost;
     let finished = began - on_the_way - excluded_early;
     let late = excluded - excluded_early;
-    let exclusions = if late > 0 {
-        vec![("excluded, for reasons listed below".to_owned(), late)]
-    } else {
-        Vec::new()
-    };
+    let exclusions =
+        if late > 0 { vec![("excluded, for reasons listed below".to_owned(), late)] } else { Vec::new() };
     let stage = |name: &str, count, lost| Stage { name: name.to_owned(), count, lost };
     Flow {
         heading: Heading::new("Who took part", "From the invitation to the analysis."),

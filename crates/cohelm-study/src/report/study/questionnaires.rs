@@ -44,7 +44,18 @@ fn one(study: &Study<'_>, questionnaire: &Questionnaire, document: &mut Document
         }));
         return;
     }
-    document.push(Block::Table(items(study, questionnaire)));
+    let is_scale = |item: &&crate::design::Item| matches!(item.answer, AnswerKind::Scale(_));
+    let (scales, others): (Vec<_>, Vec<_>) = questionnaire.items.iter().partition(is_scale);
+    if !scales.is_empty() {
+        document.push(Block::Table(items(study, questionnaire)));
+    }
+    let about = |answer: &crate::dataset::Answer| is_about(study, answer, questionnaire);
+    let summed_up = super::items::table(study, "Its other items, over all modes.", &others, about);
+    document.blocks.extend(summed_up.map(Block::Table));
+    if others.iter().any(|item| matches!(item.answer, AnswerKind::Text { .. })) {
+        let text = Text::from("Answers in words are in the export, in ").code("answers.csv").plain(".");
+        document.push(Block::Paragraph(text));
+    }
     let of_it = |outcome: &&Outcome| matches!(&outcome.quantity.source, Source::Score { instrument, .. } if *instrument == questionnaire.name);
     let scores: Vec<&Outcome> = study.analysis.exploratory.iter().filter(of_it).collect();
     if !scores.is_empty() {
