@@ -1,4 +1,4 @@
-// What the server says of a participant's session: docs/study-api.md has every field. Texts come in their language.
+// What the server says of a participant's session, as `GET /api/session` answers it. Texts come in their language.
 
 import type { Ending, Setup } from '../core';
 
