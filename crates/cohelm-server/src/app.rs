@@ -34,17 +34,13 @@ const CONTENT_POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe
 struct Route {
     path: &'static str,
     /// `GET`, `POST`, or `WS` for a socket.
+    #[cfg_attr(not(test), expect(dead_code, reason = "the test that asks for every route reads it"))]
     method: &'static str,
     right: Right,
     handler: MethodRouter<Server>,
 }
 
-fn route(
-    method: &'static str,
-    path: &'static str,
-    right: Right,
-    handler: MethodRouter<Server>,
-) -> Route {
+fn route(method: &'static str, path: &'static str, right: Right, handler: MethodRouter<Server>) -> Route {
     Route { path, method, right, handler }
 }
 

@@ -21,9 +21,11 @@ pub struct Rate {
 pub const OF_A_PARTICIPANT: Rate = Rate { per_s: 20.0, burst: 100.0 };
 /// Messages on one connection: a page sends one a second while it flies.
 pub const OF_A_CONNECTION: Rate = Rate { per_s: 50.0, burst: 200.0 };
-/// Participants who come by a link, all together: a lecture hall at once, but no flood of rows. Guessing 128 bits is
-/// hopeless anyway; this keeps it from costing much.
-pub const OF_JOINS: Rate = Rate { per_s: 5.0, burst: 200.0 };
+/// People who come by a link of their own, all together. Guessing 128 bits is hopeless anyway; this keeps it from
+/// costing much.
+pub const OF_LINKS: Rate = Rate { per_s: 50.0, burst: 600.0 };
+/// People who come by the open link, all together: a lecture hall at once, but no flood of rows.
+pub const OF_JOINS: Rate = Rate { per_s: 5.0, burst: 300.0 };
 /// Attempts at the researcher's secret, all together: each costs 20 ms and 19 MiB.
 pub const OF_LOGINS: Rate = Rate { per_s: 0.2, burst: 10.0 };
 
@@ -104,7 +106,11 @@ mod tests {
         advance(Duration::from_millis(500)).await;
         assert_eq!((bucket.take(), bucket.take().is_err()), (Ok(()), true));
         advance(Duration::from_secs(3600)).await;
-        assert_eq!((0..10).filter(|_| bucket.take().is_ok()).count(), 3, "a pause saves no more than a burst");
+        assert_eq!(
+            (0..10).filter(|_| bucket.take().is_ok()).count(),
+            3,
+            "a pause saves no more than a burst"
+        );
     }
 
     #[tokio::test(start_paused = true)]

@@ -55,8 +55,8 @@ pub async fn end_interrupted(hangar: &Hangar, older_than: Duration) -> Result<(u
         let Some(last) = rows.last() else { return Ok((ended, forgotten)) };
         page.before = Some(last.id);
         let old = |row: &&Episode| {
-        row.progress == Progress::InTheAir && row.started_at_ms < began_before && row.trial.is_none()
-    };
+            row.progress == Progress::InTheAir && row.started_at_ms < began_before && row.trial.is_none()
+        };
         for row in rows.iter().filter(old) {
             match end(hangar, row).await {
                 Ok(Write::Forget(_)) => forgotten += 1,

@@ -11,7 +11,7 @@ use crate::store::{Origin, Store, StoreError, Write, Writer, now_ms};
 use crate::study::{Study, StudyRun, StudyStartError};
 use cohelm::registry::Plants;
 use cohelm::trajectory::FORMAT_VERSION;
-use cohelm_copilot::Models;
+use cohelm_copilot::{Model, Models, shipped};
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
 use tokio::task::JoinError;
@@ -70,14 +70,19 @@ struct Shared {
     connections: TaskTracker,
 }
 
+/// Whether a model came with the program or from a file that somebody named.
+fn origin_of(model: &Model) -> Origin {
+    let is_shipped = shipped::FILES.iter().any(|(_, bytes)| *bytes == model.bytes());
+    if is_shipped { Origin::Shipped } else { Origin::Given }
+}
+
 impl Server {
     /// Stores the models and starts the writer and, if there is one, the learner. Needs a Tokio runtime.
     pub async fn start(parts: Parts) -> Result<Self, StartError> {
         let Parts { store, plants, models, lessons, hosts, assets, study } = parts;
         let at_ms = now_ms();
-        let given =
-            models.iter().map(|model| Write::Model { model: model.clone(), origin: Origin::Shipped, at_ms });
-        store.commit(&given.collect::<Vec<_>>()).await?;
+        let keep = |model: &Model| Write::Model { model: model.clone(), origin: origin_of(model), at_ms };
+        store.commit(&models.iter().map(keep).collect::<Vec<_>>()).await?;
         let writer = Writer::start(store.clone());
         let learning = match lessons {
             Some(lessons) => Some(Learning::start(lessons, &store, writer.clone()).await?),

@@ -8,8 +8,8 @@ mod flight;
 mod tests;
 
 use crate::lease::Lease;
-use crate::protocol::{FromPage, ProtocolError, ToPage, cut};
 use crate::limits::{Bucket, OF_A_CONNECTION};
+use crate::protocol::{FromPage, ProtocolError, ToPage, cut};
 use crate::server::Server;
 use crate::study::flights::{Farewell, Passenger};
 use axum::extract::ws::{CloseFrame, Message};

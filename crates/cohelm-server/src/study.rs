@@ -16,8 +16,8 @@
 //!
 //! The log of events is the truth: whatever is in memory here can be lost at any moment.
 
-pub(crate) mod desk;
 mod designs;
+pub(crate) mod desk;
 mod doorkeeper;
 pub(crate) mod flights;
 mod hub;
@@ -35,5 +35,5 @@ pub(crate) mod watch;
 pub use designs::{EditionError, ResolveError, resolve};
 pub use doorkeeper::LoginError;
 pub use hub::Marker;
-pub use run::{StudyRun, StudyStartError};
 pub(crate) use run::Study;
+pub use run::{StudyRun, StudyStartError};

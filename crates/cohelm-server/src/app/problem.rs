@@ -52,11 +52,6 @@ impl Problem {
         Self { again_s: Some(TRY_AGAIN_S), ..problem }
     }
 
-    /// The code of the answer.
-    pub fn status(&self) -> StatusCode {
-        self.status
-    }
-
     /// The sentence.
     pub fn words(&self) -> &str {
         self.body["error"].as_str().unwrap_or_default()

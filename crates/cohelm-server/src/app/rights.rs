@@ -127,7 +127,10 @@ fn no_study() -> Problem {
 }
 
 fn no_participant() -> Problem {
-    Problem::new(StatusCode::UNAUTHORIZED, "open your link to the study again; this browser is not known here")
+    Problem::new(
+        StatusCode::UNAUTHORIZED,
+        "open your link to the study again; this browser is not known here",
+    )
 }
 
 fn no_researcher() -> Problem {

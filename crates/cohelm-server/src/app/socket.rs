@@ -64,8 +64,9 @@ async fn passenger(server: &Server, who: Who, tab: Option<String>) -> Result<Opt
     match (server.study(), who.participant) {
         (None, _) => Ok(None),
         (Some(study), Some(id)) => Passenger::board(study, id, tab).await.map(Some),
-        (Some(_), None) => {
-            Err(Problem::new(StatusCode::UNAUTHORIZED, "only participants of the study fly here; open your link"))
-        }
+        (Some(_), None) => Err(Problem::new(
+            StatusCode::FORBIDDEN,
+            "only participants of the study fly here; open your link",
+        )),
     }
 }

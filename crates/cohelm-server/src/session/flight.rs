@@ -1,10 +1,10 @@
 //! A flight in the air on one connection: begun, followed, ended; every answer is given after what it says is stored.
 
 use super::Hangup;
+use crate::app::Problem;
 use crate::follow::{Disbelief, End, Follower};
 use crate::hangar::HangarError;
 use crate::lease::Lease;
-use crate::app::Problem;
 use crate::protocol::{Begin, FromPage, ToPage};
 use crate::server::Server;
 use crate::store::{Chunk, Episode, EpisodeId, Progress, Record, StoreError, Write, now_ms};
@@ -203,9 +203,9 @@ impl InTheAir {
                 Ok((Some(Self { episode, follower, lease, ticket }), ToPage::Ack { committed_tick }))
             }
             Err(why @ Disbelief::Gap { .. }) => Err(Hangup::out_of_turn(why)),
-            Err(why) => {
-                refuse(server, passenger.zip(ticket.as_ref()), episode, why).await.map(|answer| (None, answer))
-            }
+            Err(why) => refuse(server, passenger.zip(ticket.as_ref()), episode, why)
+                .await
+                .map(|answer| (None, answer)),
         }
     }
 

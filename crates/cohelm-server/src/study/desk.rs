@@ -1,9 +1,9 @@
 //! What the researcher's page asks: the study in words, its participants, what to do about one of them.
 
+use super::flights::condition_name;
 use super::join::{invite, relink};
 use super::page::erase;
 use super::people::Seen;
-use super::flights::condition_name;
 use super::rows::Row;
 use super::run::Study;
 use crate::app::{OfStudy, Problem};
@@ -252,7 +252,11 @@ pub async fn decide(
             erase(&study, met, BY).await?;
             return Ok(Json(json!({ "id": id, "status": Status::Withdrawn })));
         }
-        _ => return Err(Problem::not_found("what can be done is exclude, reinstate, withdraw, note and link")),
+        _ => {
+            return Err(Problem::not_found(
+                "what can be done is exclude, reinstate, withdraw, note and link",
+            ));
+        }
     };
     let (met, _) = study.people().write(met, Vec::new(), vec![event]).await?;
     Ok(Json(json!({ "id": id, "status": met.session.status() })))
@@ -268,10 +272,7 @@ fn words(said: String) -> Result<String, Problem> {
 }
 
 /// Everything that happened to a participant.
-pub async fn log(
-    OfStudy(study): OfStudy,
-    Path(id): Path<ParticipantId>,
-) -> Result<Json<Value>, Problem> {
+pub async fn log(OfStudy(study): OfStudy, Path(id): Path<ParticipantId>) -> Result<Json<Value>, Problem> {
     let met = study.people().meet(id).await?;
     Ok(Json(json!({ "id": id, "code": met.row.code, "events": met.log })))
 }
@@ -308,7 +309,13 @@ pub async fn episodes(
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
     let next = if more { rows.last().map(|row| row.id) } else { None };
-    let people: HashMap<_, _> = study.people().all(&study.edition().hash).await?.into_iter().map(|seen| (seen.row.id, seen)).collect();
+    let people: HashMap<_, _> = study
+        .people()
+        .all(&study.edition().hash)
+        .await?
+        .into_iter()
+        .map(|seen| (seen.row.id, seen))
+        .collect();
     let rows: Vec<Value> = rows.iter().map(|row| about(row, &people)).collect();
     Ok(Json(json!({ "episodes": rows, "next": next })))
 }

@@ -10,9 +10,7 @@ use crate::app::{Asking, OfStudy, Problem};
 use crate::protocol::{Begin, FromPage};
 use crate::secret::hex;
 use crate::server::Server;
-use crate::store::{
-    Chunk, Episode, EpisodeId, FlightKey, ParticipantId, Progress, Trial, Write, unpack,
-};
+use crate::store::{Chunk, Episode, EpisodeId, FlightKey, ParticipantId, Progress, Trial, Write, unpack};
 use axum::extract::{Path, State};
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
@@ -87,7 +85,9 @@ impl Passenger {
         if session.current_key().as_deref() != Some(&key) {
             return Ok(match self.flown(server, session, &key, begin.key).await? {
                 Some(episode) => Gate::Flown(episode),
-                None => Gate::Shut("this flight is not the one to be flown now; ask for the session again".into()),
+                None => {
+                    Gate::Shut("this flight is not the one to be flown now; ask for the session again".into())
+                }
             });
         }
         let Some((step, place)) = session.current().and_then(|step| Some((step, step.flight()?))) else {
@@ -101,7 +101,9 @@ impl Passenger {
         // A flight in the air goes on with the setup that it began with, whatever the program would choose now.
         let begun = session.flight(&step.id).is_some_and(|flight| flight.episode.is_some());
         if !same && !begun {
-            return Ok(Gate::Shut("the flight's setup is not the one of this step; ask for the session again".into()));
+            return Ok(Gate::Shut(
+                "the flight's setup is not the one of this step; ask for the session again".into(),
+            ));
         }
         Ok(Gate::Open(Ticket { step: step.id.clone(), attempt: session.attempt(&step.id) }))
     }

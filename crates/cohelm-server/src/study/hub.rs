@@ -201,7 +201,10 @@ mod tests {
             hub.tell(ParticipantId(id));
         }
         let gathered = news.next().await.unwrap();
-        assert_eq!(gathered, Changed { participants: [ParticipantId(1), ParticipantId(3)].into(), all: false });
+        assert_eq!(
+            gathered,
+            Changed { participants: [ParticipantId(1), ParticipantId(3)].into(), all: false }
+        );
         (0..2 * BACKLOG as i64).for_each(|id| hub.tell(ParticipantId(id)));
         assert!(news.next().await.unwrap().all);
     }

@@ -20,14 +20,16 @@ const MAX_PARAMETER: usize = 200;
 /// Fewest characters of a panel's name for a participant that is taken as proof of who comes: Prolific's have 24. Who
 /// comes again with a shorter one, which others could guess, needs the browser they began with, or a new link.
 const LEAST_PROOF: usize = 16;
-/// Attempts at a number and code that nobody else takes at the same moment.
+/// Attempts at a number and a code that nobody else has.
 const ATTEMPTS: usize = 8;
 
 /// A link of somebody's own.
 pub async fn by_link(OfStudy(study): OfStudy, Path(token): Path<String>) -> Result<Response, Problem> {
-    study.let_join().map_err(Problem::too_often)?;
+    study.let_in().map_err(Problem::too_often)?;
     let unknown = || {
-        Problem::not_found("this link is not valid, or was replaced by a newer one; ask the researcher for a new link")
+        Problem::not_found(
+            "this link is not valid, or was replaced by a newer one; ask the researcher for a new link",
+        )
     };
     let token = Token::read(&token).ok_or_else(unknown)?;
     study.people().of_token(&token).await?.ok_or_else(unknown)?;
@@ -79,13 +81,15 @@ async fn returning(study: &Study, headers: &HeaderMap) -> Result<Option<Token>, 
     let Some(token) = Cookie::Participant.read(headers) else { return Ok(None) };
     let Some(id) = study.people().of_token(&token).await? else { return Ok(None) };
     let met = study.people().meet(id).await?;
-    let goes_on = !matches!(met.session.status(), Status::Withdrawn) && met.edition.hash == study.edition().hash;
+    let goes_on =
+        !matches!(met.session.status(), Status::Withdrawn) && met.edition.hash == study.edition().hash;
     Ok(goes_on.then_some(token))
 }
 
 /// Who came before under the panel's same name.
 async fn same_person(study: &Study, panel: &BTreeMap<String, String>) -> Result<Option<Seen>, Problem> {
-    let named = study.edition().design.panel.as_ref().and_then(|design| panel.get_key_value(&design.participant));
+    let named =
+        study.edition().design.panel.as_ref().and_then(|design| panel.get_key_value(&design.participant));
     let Some((parameter, name)) = named else { return Ok(None) };
     let all = study.people().all(&study.edition().hash).await?;
     let same = |seen: &Seen| seen.session.panel().get(parameter) == Some(name);
@@ -100,7 +104,8 @@ async fn again(
     panel: &BTreeMap<String, String>,
 ) -> Result<Response, Problem> {
     let design = study.edition().design.panel.as_ref();
-    let proof = design.and_then(|design| panel.get(&design.participant)).map_or(0, |name| name.chars().count());
+    let proof =
+        design.and_then(|design| panel.get(&design.participant)).map_or(0, |name| name.chars().count());
     if proof < LEAST_PROOF {
         let words = "somebody began under this name already; go on in the browser that you began with, or ask the \
                      researcher for a link";
@@ -130,9 +135,10 @@ pub(super) async fn invite(
     let mut last = None;
     for _ in 0..ATTEMPTS {
         let (token, code, at_ms) = (Token::draw()?, new_code()?, now_ms());
-        let id = server.store().free_participant_id().await.map_err(|error| Problem::paused(&error))?;
+        let id = study.new_number(server.store()).await.map_err(|error| Problem::paused(&error))?;
         let hash = study.edition().hash.clone();
-        let row = Write::Participant { id, study: hash, code: code.clone(), token: TokenHash(token.hash()), at_ms };
+        let row =
+            Write::Participant { id, study: hash, code: code.clone(), token: TokenHash(token.hash()), at_ms };
         let event_json = event_json.clone();
         let event = Write::Event { participant: id, expected_seq: 1, event_json, at_ms };
         match server.writer().write(vec![row, event]).await {
@@ -140,7 +146,7 @@ pub(super) async fn invite(
                 study.hub().tell(id);
                 return Ok((id, code, token));
             }
-            // Somebody else came at the same moment and has the number, or one in a billion the code.
+            // Another server on the same database has the number, or somebody, one in a billion, the code.
             Err(error) if error.is_about_one_write() => last = Some(error),
             Err(error) => return Err(Problem::paused(&error)),
         }

@@ -42,7 +42,8 @@ pub async fn open(
 ) -> Result<Json<Value>, Problem> {
     study.let_ask(id).map_err(Problem::too_often)?;
     if tab.is_empty() || tab.len() > MAX_TAB || client.to_string().len() > MAX_CLIENT {
-        let words = format!("a tab has a name of 1 to {MAX_TAB} bytes, and says at most {MAX_CLIENT} of itself");
+        let words =
+            format!("a tab has a name of 1 to {MAX_TAB} bytes, and says at most {MAX_CLIENT} of itself");
         return Err(Problem::new(StatusCode::UNPROCESSABLE_ENTITY, words));
     }
     let met = study.people().meet(id).await?;
@@ -87,7 +88,8 @@ pub async fn answer(
 ) -> Result<Json<Value>, Problem> {
     // Only one consents at a time, so that two who come at once are not given the same order.
     let _order = if step == "consent" { Some(study.assigning().await) } else { None };
-    let others = if step == "consent" { study.people().all(&study.edition().hash).await? } else { Vec::new() };
+    let others =
+        if step == "consent" { study.people().all(&study.edition().hash).await? } else { Vec::new() };
     let met = live(&study, id, &answer.tab).await?;
     let mut events = match met.session.accept(&met.edition.design, &step, &answer.data) {
         Ok(events) => events,
@@ -117,8 +119,7 @@ pub async fn answer(
 /// The order in which the participant flies the conditions, given how far the others are.
 fn assigned(met: &Known, others: &[Seen]) -> Result<Event, Problem> {
     let design = &met.edition.design;
-    let heard_of =
-        |seen: &Seen| seen.row.seen_at_ms.unwrap_or(seen.row.created_at_ms);
+    let heard_of = |seen: &Seen| seen.row.seen_at_ms.unwrap_or(seen.row.created_at_ms);
     let people = others
         .iter()
         .filter(|seen| seen.edition.hash == met.edition.hash)
@@ -205,7 +206,8 @@ pub(super) async fn erase(study: &Study, met: Meeting, by: &str) -> Result<(), P
     let (test, simulated) = (session.is_test(), session.is_simulated());
     let invited = Event::Invited { test, simulated, language: None, panel: Default::default(), note: None };
     let left = [invited, Event::Withdrawn { by: by.into() }];
-    let left = left.iter().map(|event| serde_json::to_string(event).expect("words have a JSON form")).collect();
+    let left =
+        left.iter().map(|event| serde_json::to_string(event).expect("words have a JSON form")).collect();
     let write = Write::Withdraw { participant: met.row.id, left, at_ms: now_ms() };
     study.people().overwrite(met, vec![write]).await?;
     study.people().forget_tokens();

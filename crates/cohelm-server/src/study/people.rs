@@ -269,7 +269,8 @@ fn as_write(participant: ParticipantId, logged: &Logged) -> Write {
     Write::Event {
         participant,
         expected_seq: logged.seq,
-        event_json: serde_json::to_string(&logged.event).expect("an event of strings and numbers has a JSON form"),
+        event_json: serde_json::to_string(&logged.event)
+            .expect("an event of strings and numbers has a JSON form"),
         at_ms: logged.at_ms,
     }
 }
@@ -280,7 +281,9 @@ fn marker(known: &Known, logged: &Logged) -> Marker {
     let (episode, tick, clock_offset_ms) = match event {
         Event::FlightBegun { episode, clock_offset_ms, .. } => (Some(*episode), Some(0), *clock_offset_ms),
         Event::FlightEnded { episode, ticks, .. } => (Some(*episode), Some(*ticks), None),
-        Event::FlightInterrupted { tick, .. } | Event::FlightResumed { tick, .. } => (None, Some(*tick), None),
+        Event::FlightInterrupted { tick, .. } | Event::FlightResumed { tick, .. } => {
+            (None, Some(*tick), None)
+        }
         Event::FlightRefused { episode, .. } => (Some(*episode), None, None),
         _ => (None, None, None),
     };
@@ -289,7 +292,9 @@ fn marker(known: &Known, logged: &Logged) -> Marker {
         participant: known.row.code.clone(),
         event: event.word().into(),
         step: step.map(str::to_owned),
-        condition: step.and_then(|step| condition_of(&known.edition, &known.session, step)).map(|of| of.name.clone()),
+        condition: step
+            .and_then(|step| condition_of(&known.edition, &known.session, step))
+            .map(|of| of.name.clone()),
         episode,
         tick,
         clock_offset_ms,

@@ -6,9 +6,9 @@ use super::hub::Hub;
 use super::people::People;
 use crate::hangar::Hangar;
 use crate::learn::Learning;
-use crate::limits::{Bucket, Buckets, OF_A_PARTICIPANT, OF_JOINS};
+use crate::limits::{Bucket, Buckets, OF_A_PARTICIPANT, OF_JOINS, OF_LINKS};
 use crate::secret::SecretHash;
-use crate::store::{ParticipantId, StoreError, Write, Writer, now_ms};
+use crate::store::{ParticipantId, Store, StoreError, Write, Writer, now_ms};
 use cohelm_study::design::{Design, Resolved};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -44,6 +44,8 @@ pub(crate) struct Study {
     hub: Arc<Hub>,
     people: People,
     joins: Mutex<Bucket>,
+    links: Mutex<Bucket>,
+    newest: tokio::sync::Mutex<i64>,
     requests: Buckets<ParticipantId>,
     assigning: tokio::sync::Mutex<()>,
     clocks: Mutex<HashMap<ParticipantId, f64>>,
@@ -66,6 +68,8 @@ impl Study {
             hub,
             people,
             joins: Mutex::new(Bucket::new(OF_JOINS)),
+            links: Mutex::new(Bucket::new(OF_LINKS)),
+            newest: tokio::sync::Mutex::default(),
             requests: Buckets::new(OF_A_PARTICIPANT),
             assigning: tokio::sync::Mutex::default(),
             clocks: Mutex::default(),
@@ -130,7 +134,20 @@ impl Study {
         lock(&self.clocks).get(&participant).copied()
     }
 
-    /// Counts somebody who comes by a link; how long to wait if too many do.
+    /// A number for one more participant: free in the database, and given to nobody else who comes at the same moment.
+    pub async fn new_number(&self, store: &dyn Store) -> Result<ParticipantId, StoreError> {
+        let mut newest = self.newest.lock().await;
+        let free = store.free_participant_id().await?;
+        *newest = free.0.max(*newest + 1);
+        Ok(ParticipantId(*newest))
+    }
+
+    /// Counts somebody who comes by a link of their own; how long to wait if too many do.
+    pub fn let_in(&self) -> Result<(), Duration> {
+        lock(&self.links).take()
+    }
+
+    /// Counts somebody who comes by the open link; how long to wait if too many do.
     pub fn let_join(&self) -> Result<(), Duration> {
         lock(&self.joins).take()
     }

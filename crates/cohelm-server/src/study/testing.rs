@@ -1,5 +1,7 @@
 //! What the tests of a study share: a small study of the point, a server that runs it, and a browser's part of it.
 
+pub mod line;
+
 use super::run::StudyRun;
 use crate::app::app;
 use crate::hosts::Hosts;
@@ -94,6 +96,11 @@ participant = "PROLIFIC_PID"
 completed = "https://panel.example/done?cc={code}&who={PROLIFIC_PID}"
 "#;
 
+/// The same with one order for everybody.
+pub fn in_fixed_order() -> String {
+    STUDY.replace("latin-square", "fixed")
+}
+
 /// A server with that study, on a database of its own.
 pub async fn running(disk: &Disk) -> Server {
     running_at(disk, "http://localhost:1234").await
@@ -111,7 +118,9 @@ pub async fn start(disk: &Disk, text: &str, address: &str) -> Server {
     let secret = SecretHash::of(SECRET).unwrap();
     let study = Some(StudyRun { design, secret, address: address.into() });
     let (hosts, assets, models) = (Hosts::loopback(), Assets::of(&[]), Models::new());
-    Server::start(Parts { store, plants: plants(), models, lessons: None, hosts, assets, study }).await.unwrap()
+    Server::start(Parts { store, plants: plants(), models, lessons: None, hosts, assets, study })
+        .await
+        .unwrap()
 }
 
 /// What came back.
@@ -169,7 +178,8 @@ impl Browser {
 
     pub async fn open(&mut self) -> Value {
         let tab = self.tab.clone();
-        let answer = self.post("/api/session/open", json!({ "tab": tab, "client": { "screen": "1×1" } })).await;
+        let answer =
+            self.post("/api/session/open", json!({ "tab": tab, "client": { "screen": "1×1" } })).await;
         assert_eq!(answer.status, StatusCode::OK, "{answer:?}");
         answer.json()
     }
@@ -192,6 +202,13 @@ impl Browser {
     pub fn cookie(&self) -> String {
         let pairs = self.cookies.iter().map(|(name, value)| format!("{name}={value}"));
         pairs.collect::<Vec<_>>().join("; ")
+    }
+
+    /// An answer that does not end.
+    pub async fn begin(&mut self, path: &str) -> axum::response::Response {
+        let request =
+            Request::builder().uri(path).header(header::HOST, HOST).header(header::COOKIE, self.cookie());
+        self.app.clone().oneshot(request.body(Body::empty()).unwrap()).await.unwrap()
     }
 
     pub async fn send(&mut self, method: Method, path: &str, body: Body) -> Answer {

@@ -11,11 +11,13 @@ use axum::http::StatusCode;
 use axum::response::Response;
 use std::time::Duration;
 use tokio::sync::broadcast::{self, error::RecvError};
-use tokio::time::timeout;
+use tokio::time::{interval, timeout};
 use tokio_util::sync::CancellationToken;
 
 /// How long a watcher may take to accept a message: longer, and it is lost.
 const SEND_WITHIN: Duration = Duration::from_secs(10);
+/// How often a watcher hears that the connection is there: proxies close those that are silent for a minute.
+const PING_EVERY: Duration = Duration::from_secs(15);
 /// Most bytes of what a watcher says: nothing is expected.
 const MOST_BYTES: usize = 1024;
 
@@ -87,15 +89,20 @@ struct Watcher {
 
 impl Watcher {
     async fn watch(&mut self, mut air: broadcast::Receiver<Air>, in_air: Option<EpisodeId>) -> End {
-        if let Some(episode) = in_air {
-            if let Err(end) = self.catch_up(episode).await {
-                return end;
-            }
+        if let Some(episode) = in_air
+            && let Err(end) = self.catch_up(episode).await
+        {
+            return end;
         }
         let closing = self.server.closing().clone();
+        let mut pings = interval(PING_EVERY);
         loop {
             let next = tokio::select! {
                 () = closing.cancelled() => return End::Closing,
+                _ = pings.tick() => match send(&mut self.socket, Message::Ping(Default::default())).await {
+                    Ok(()) => continue,
+                    Err(end) => return end,
+                },
                 heard = self.socket.recv() => match heard {
                     Some(Ok(Message::Close(_)) | Err(_)) | None => return End::Gone,
                     Some(Ok(_)) => continue,
@@ -116,7 +123,9 @@ impl Watcher {
 
     /// Shows what is committed of an episode.
     async fn catch_up(&mut self, episode: EpisodeId) -> Result<(), End> {
-        let Some(row) = self.server.store().episode(episode).await.map_err(End::Store)? else { return Ok(()) };
+        let Some(row) = self.server.store().episode(episode).await.map_err(End::Store)? else {
+            return Ok(());
+        };
         let Ok(setup) = serde_json::from_value(row.setup) else { return Ok(()) };
         let chunks = self.server.store().chunks(episode).await.map_err(End::Store)?;
         let begin = Begin { key: FlightKey([0; 16]), age_ms: 0, setup };
@@ -171,8 +180,13 @@ async fn tell_markers(
     mut markers: broadcast::Receiver<Marker>,
     closing: CancellationToken,
 ) {
+    let mut pings = interval(PING_EVERY);
     loop {
         let next = tokio::select! {
+            _ = pings.tick() => match send(&mut socket, Message::Ping(Default::default())).await {
+                Ok(()) => continue,
+                Err(_) => return,
+            },
             () = closing.cancelled() => return close(&mut socket, 1001, "the server stops").await,
             heard = socket.recv() => match heard {
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return,
