@@ -230,7 +230,12 @@ impl Train {
         }
         if flights.is_empty() {
             let files: Vec<String> = self.from.iter().map(|file| file.display().to_string()).collect();
-            bail!("there is no finished flight of a person on {} in {}", job.task.plant, files.join(", "));
+            bail!(
+                "there is no finished flight of a person on {} in {} (of a study, give the archive that `cohelm study \
+                 export` writes)",
+                job.task.plant,
+                files.join(", ")
+            );
         }
         let recorded: Vec<RecordedFlight<'_>> = flights
             .iter()
@@ -319,7 +324,8 @@ fn show(bar: &ProgressBar, progress: &Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Every finished flight of a person on the task's plant in a database.
+/// Every finished flight of a person on the task's plant in a database. Those of a study are left out: whose they are, and
+/// whether a program flew them, is known where its archive is made.
 fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
@@ -331,7 +337,8 @@ fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
             let Some(last) = episodes.last() else { break };
             page.before = Some(last.id);
             for episode in episodes {
-                let wanted = episode.pilot == "person" && episode.plant == task.plant;
+                let wanted =
+                    episode.pilot == "person" && episode.plant == task.plant && episode.trial.is_none();
                 if !(wanted && matches!(episode.progress, Flown::Finished { .. })) {
                     continue;
                 }

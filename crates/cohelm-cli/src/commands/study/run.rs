@@ -175,7 +175,7 @@ fn greeting(design: &Design, address: &str, secret: &Secret, database: &str) -> 
     let lines = [
         format!("cohelm runs the study {:?} ({}) at {address}", title, design.name),
         format!("participants   {participants}"),
-        format!("researcher     {address}/research"),
+        format!("researcher     {address}/desk"),
         format!("secret         {known}"),
         format!("stored in      {database}; Ctrl-C ends"),
     ];
