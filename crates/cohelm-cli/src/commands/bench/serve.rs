@@ -107,7 +107,7 @@ impl Serve {
         if self.participants == 0 || self.seconds == 0 {
             bail!("at least one participant must fly for at least one second");
         }
-        if !(self.bound > 0.0) {
+        if self.bound.is_nan() || self.bound <= 0.0 {
             bail!("the bound must be a positive number of milliseconds, got {}", self.bound);
         }
         let folder = TempDir::new().context("cannot make a folder for the database")?;
