@@ -106,7 +106,7 @@ let link = "";
 let code = "";
 
 async function researcherMakesALink() {
-  await desk.goto(`${server.url}/research`);
+  await desk.goto(`${server.url}/desk`);
   await desk.waitForSelector("input[name=secret]");
   await shot(desk, "desk-login");
   await troubled(async () => {
@@ -117,7 +117,7 @@ async function researcherMakesALink() {
   await desk.fill("input[name=secret]", SECRET);
   await desk.click("button[type=submit]");
   await desk.waitForSelector(".tally b");
-  await desk.goto(`${server.url}/research#/people`);
+  await desk.goto(`${server.url}/desk#/people`);
   await desk.click("text=New participant…");
   await desk.click("text=Make the link");
   link = await desk.inputValue("dialog .link-row input >> nth=0");
@@ -151,7 +151,7 @@ const troubles = {
 };
 
 async function watchedFlight() {
-  await desk.goto(`${server.url}/research#/`);
+  await desk.goto(`${server.url}/desk#/`);
   await desk.click("a.watch");
   await desk.waitForSelector(".live");
   await desk.waitForTimeout(2_500);
@@ -182,7 +182,7 @@ async function nothingIsAskedTwice() {
 }
 
 async function researcherLooksAtIt() {
-  await desk.goto(`${server.url}/research#/people`);
+  await desk.goto(`${server.url}/desk#/people`);
   await desk.reload();
   await troubled(async () => {
     // Sessions of the desk end with the server, which was killed.
@@ -192,21 +192,21 @@ async function researcherLooksAtIt() {
     await desk.waitForSelector(`text=${code}`);
   });
   await shot(desk, "desk-participants");
-  await desk.goto(`${server.url}/research#/`);
+  await desk.goto(`${server.url}/desk#/`);
   await desk.waitForSelector(".tally b");
   await desk.waitForTimeout(500);
   await shot(desk, "desk-overview");
-  await desk.goto(`${server.url}/research#/people`);
+  await desk.goto(`${server.url}/desk#/people`);
   await desk.click(`a:has-text("${code}")`);
   await desk.waitForTimeout(800);
   await shot(desk, "desk-participant");
 }
 
 async function researcherAsksWhatIf() {
-  await desk.goto(`${server.url}/research#/episodes`);
+  await desk.goto(`${server.url}/desk#/episodes`);
   await desk.waitForSelector("tr.opens");
   await shot(desk, "desk-flights");
-  await desk.goto(`${server.url}/research#/episodes/1`);
+  await desk.goto(`${server.url}/desk#/episodes/1`);
   await desk.waitForSelector(".player");
   await desk.waitForSelector("text=bit for bit");
   await desk.waitForTimeout(800);
@@ -219,7 +219,7 @@ async function researcherAsksWhatIf() {
 }
 
 async function researcherDeletes() {
-  await desk.goto(`${server.url}/research#/people`);
+  await desk.goto(`${server.url}/desk#/people`);
   await desk.waitForSelector(".menu summary");
   await desk.click(".menu summary >> nth=0");
   await desk.click("text=Withdraw…");
