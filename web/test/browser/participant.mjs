@@ -55,10 +55,10 @@ export class Participant {
   }
 
   /** Presses what leads on, and waits until something else is asked. */
-  async goOn() {
+  async goOn(button = '.primary:enabled') {
     const { page } = this;
     const before = await page.$('[data-screen]');
-    await page.click('[data-screen] .primary:enabled', { timeout: PATIENCE_MS });
+    await page.click(`[data-screen] ${button}`, { timeout: PATIENCE_MS });
     const left = () => before.evaluate((node) => !node.isConnected).catch(() => true);
     for (let waited = 0; waited < 20 && !(await left()); waited += 1) await page.waitForTimeout(100);
   }
@@ -69,9 +69,8 @@ export class Participant {
     await page.waitForSelector('.good, .bad', { timeout: PATIENCE_MS });
     await this.see('device-done');
     const isSlow = (await page.$('.bad')) !== null;
-    if (!isSlow) await page.click('[data-screen=device] .primary');
-    else if ((await page.$('[data-screen=device] .secondary')) !== null)
-      await page.click('[data-screen=device] .secondary');
+    if (!isSlow) await this.goOn();
+    else if ((await page.$('[data-screen=device] .secondary')) !== null) await this.goOn('.secondary');
   }
 
   /** Answers every question. */
