@@ -98,7 +98,8 @@ class LunarLanderVector(VectorEnv):
         infos: dict[str, Any] = {}
         if self._same_step and over.any():
             final = np.full(self.num_envs, None, dtype=object)
-            final[over] = list(last[over].copy())
+            for world in np.flatnonzero(over):
+                final[world] = last[world].copy()
             infos = {"final_obs": final, "_final_obs": over, "final_info": {}, "_final_info": over.copy()}
         return (
             self._given(observations),
