@@ -43,6 +43,9 @@ pub struct Lander {
     begun: bool,
 }
 
+/// Observation, reward, and how the episode ended, if it did.
+type Stepped<'py> = (Bound<'py, PyArray1<f32>>, f64, Option<&'static str>);
+
 #[pymethods]
 impl Lander {
     #[new]
@@ -75,11 +78,7 @@ impl Lander {
 
     /// One tick: observation (8 × float32), reward, and how the episode ended, if it did. The time limit of the
     /// registered environment is not its own, so it never ends by itself at tick 1000.
-    fn step<'py>(
-        &mut self,
-        py: Python<'py>,
-        action: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyArray1<f32>>, f64, Option<&'static str>)> {
+    fn step<'py>(&mut self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<Stepped<'py>> {
         if !self.begun {
             return Err(Kind::Closed.error("no episode has begun: call reset(seed=…) first"));
         }
