@@ -8,6 +8,7 @@ mod errors;
 mod lander;
 mod models;
 mod picture;
+mod sweep;
 mod training;
 mod vector;
 mod world;
@@ -28,5 +29,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(models::shipped, module)?)?;
     module.add_function(wrap_pyfunction!(training::train_values, module)?)?;
     module.add_function(wrap_pyfunction!(training::train_intent, module)?)?;
-    module.add_function(wrap_pyfunction!(training::reproduce, module)?)
+    module.add_function(wrap_pyfunction!(training::reproduce, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_open, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_keep, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_locally, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_report, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::run_job, module)?)
 }

@@ -8,10 +8,11 @@ use cohelm_copilot::encode::ValueEncoder;
 use cohelm_copilot::model::Network;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Kind as ModelKind, Model, shipped as shipped_models};
+use cohelm_nn::lstm::LstmState;
 use cohelm_nn::mlp::MlpScratch;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -81,6 +82,26 @@ impl ValueModel {
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         read(path, ModelKind::Values).map(Self::of)
+    }
+
+    /// Reads the bytes of a model's file.
+    #[staticmethod]
+    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        of_kind(parsed(bytes)?, ModelKind::Values).map(Self::of)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyAny>,))> {
+        let (class, py) = (slf.get_type(), slf.py());
+        match &slf.get().source {
+            Source::Trained(model) => {
+                Ok((class.getattr("from_bytes")?, (PyBytes::new(py, model.bytes()).into_any(),)))
+            }
+            Source::Layers(layers) => {
+                let layers: Vec<_> =
+                    layers.layers.iter().map(|layer| layer.arrays(py)).collect::<PyResult<_>>()?;
+                Ok((class.getattr("from_layers")?, (layers.into_pyobject(py)?,)))
+            }
+        }
     }
 
     /// Values from a network trained elsewhere: (weights of outputs × inputs, bias of outputs) of each layer, ReLU between
@@ -179,6 +200,46 @@ pub struct IntentModel {
 
 #[pymethods]
 impl IntentModel {
+    /// Reads the bytes of a model's file.
+    #[staticmethod]
+    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        Ok(Self { model: of_kind(parsed(bytes)?, ModelKind::Intent)? })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let bytes = PyBytes::new(slf.py(), slf.get().model.bytes());
+        Ok((slf.get_type().getattr("from_bytes")?, (bytes,)))
+    }
+
+    /// The outputs of one of its two networks, `"regression"` (x, y) or `"calibrated"` (x, y, ln σ), over the ticks of one
+    /// sequence (float32, ticks × inputs), from a state of zeros: what PyTorch's LSTM gives with the same weights.
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        network: &str,
+        inputs: PyReadonlyArray2<'py, f32>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let Network::Intent(networks) = self.model.network() else {
+            return Err(wrong_kind(&self.model, ModelKind::Intent));
+        };
+        let network = match network {
+            "regression" => &networks.regression,
+            "calibrated" => &networks.calibrated,
+            _ => {
+                let message = format!("a network is \"regression\" or \"calibrated\", got {network:?}");
+                return Err(Kind::Option.error(message));
+            }
+        };
+        let inputs = inputs.as_array();
+        expect_inputs(network.shape().input(), inputs.ncols())?;
+        let mut state = LstmState::new(network.shape());
+        let mut outputs = Vec::new();
+        for row in inputs.rows() {
+            outputs.extend_from_slice(network.step(&row.to_vec(), &mut state));
+        }
+        PyArray1::from_vec(py, outputs).reshape([inputs.nrows(), network.shape().output()])
+    }
+
     /// Reads a model's file.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
@@ -216,6 +277,18 @@ pub fn shipped<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         }
     }
     Ok(all)
+}
+
+impl Dense {
+    fn arrays<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>)> {
+        let outputs = self.bias.len();
+        let weights =
+            PyArray1::from_slice(py, &self.weights).reshape([outputs, self.weights.len() / outputs])?;
+        Ok((weights, PyArray1::from_slice(py, &self.bias)))
+    }
 }
 
 impl Layers {
@@ -271,12 +344,20 @@ fn expect_inputs(expected: usize, found: usize) -> PyResult<()> {
     }
 }
 
+fn parsed(bytes: &[u8]) -> PyResult<Model> {
+    Model::from_bytes(bytes).map_err(|error| Kind::Model.error(format!("these bytes are no model: {error}")))
+}
+
+fn of_kind(model: Model, kind: ModelKind) -> PyResult<Model> {
+    if model.card().kind == kind { Ok(model) } else { Err(wrong_kind(&model, kind)) }
+}
+
 fn read(path: PathBuf, kind: ModelKind) -> PyResult<Model> {
     let bytes = std::fs::read(&path)
         .map_err(|error| Kind::Model.error(format!("cannot read the model {}: {error}", path.display())))?;
     let model = Model::from_bytes(&bytes)
         .map_err(|error| Kind::Model.error(format!("{} is no model: {error}", path.display())))?;
-    if model.card().kind == kind { Ok(model) } else { Err(wrong_kind(&model, kind)) }
+    of_kind(model, kind)
 }
 
 fn wrong_kind(model: &Model, needed: ModelKind) -> PyErr {

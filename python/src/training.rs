@@ -231,7 +231,8 @@ fn pilots(plant: &dyn Plant, number: u64) -> Result<Box<dyn Pilot>, String> {
     person(plant, Population::Ordinary, TRAINING_PILOTS, number)
 }
 
-fn person(
+/// Participant `index` of the draw of `seed` from a population.
+pub fn person(
     plant: &dyn Plant,
     population: Population,
     seed: u64,

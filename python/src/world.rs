@@ -46,6 +46,11 @@ pub struct World {
     cockpit: SyncWrapper<Option<Cockpit>>,
     begun: bool,
     over: bool,
+    /// Seed and requests of this episode, from which a copy with a co-pilot is made. (A cockpit cannot be copied, but the
+    /// same requests give the same bits.)
+    seed: u64,
+    asked: Vec<Option<Action>>,
+    task: Task,
 }
 
 /// What a cockpit is made of, anew for each episode.
@@ -95,6 +100,9 @@ impl World {
             cockpit: SyncWrapper::new(cockpit),
             begun: false,
             over: false,
+            seed: 0,
+            asked: Vec::new(),
+            task,
         })
     }
 
@@ -107,7 +115,8 @@ impl World {
             cockpit.begin();
         }
         self.cockpit = SyncWrapper::new(cockpit);
-        (self.begun, self.over) = (true, false);
+        (self.begun, self.over, self.seed) = (true, false, seed);
+        self.asked.clear();
         Ok(())
     }
 
@@ -139,6 +148,7 @@ impl World {
             }
         };
         self.over = step.ending.is_some();
+        self.asked.push(asked);
         record.set_item("reward", step.reward)?;
         record.set_item("ending", step.ending.map(|ending| ending.word()))?;
         record.set_item("terminated", step.ending.is_some_and(|ending| ending.is_terminal()))?;
@@ -218,24 +228,41 @@ impl World {
         to_python(py, plant.space(), action)
     }
 
-    /// A copy without a co-pilot that goes on with the same bits.
-    fn snapshot(&mut self) -> PyResult<Self> {
-        if self.help.is_some() {
-            return Err(Kind::Option
-                .error("a world with a co-pilot in it has no snapshot; take one of a World without a rule"));
-        }
-        let plant = self
-            .plant
-            .get_mut()
-            .snapshot()
-            .ok_or_else(|| Kind::Option.error("this plant cannot be copied"))?;
+    /// A copy that goes on with the same bits. One with a co-pilot in it flies the episode again up to here, which takes
+    /// some microseconds a tick.
+    fn snapshot(&mut self, py: Python<'_>) -> PyResult<Self> {
+        let help = self.help.as_ref().map(|help| help.clone_ref(py));
+        let (plant, cockpit) = match help.as_ref().filter(|_| self.begun) {
+            None => (self.copied_plant()?, None),
+            Some(help) => {
+                let mut plant = plants().make(&self.task).map_err(|error| Kind::Option.error(error))?;
+                plant.reset(self.seed);
+                let mut cockpit = help.cockpit(plant.as_ref())?;
+                cockpit.begin();
+                for asked in &self.asked {
+                    cockpit.tick(plant.as_mut(), &mut Told(*asked));
+                }
+                (plant, Some(cockpit))
+            }
+        };
         Ok(Self {
             plant: SyncWrapper::new(plant),
-            help: None,
-            cockpit: SyncWrapper::new(None),
+            help,
+            cockpit: SyncWrapper::new(cockpit),
             begun: self.begun,
             over: self.over,
+            seed: self.seed,
+            asked: self.asked.clone(),
+            task: self.task.clone(),
         })
+    }
+
+    fn __copy__(&mut self, py: Python<'_>) -> PyResult<Self> {
+        self.snapshot(py)
+    }
+
+    fn __deepcopy__(&mut self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> PyResult<Self> {
+        self.snapshot(py)
     }
 
     /// What it looks like: height × width × 3, uint8.
@@ -250,7 +277,24 @@ impl World {
     }
 }
 
+impl World {
+    fn copied_plant(&mut self) -> PyResult<Box<dyn Plant>> {
+        let copy = self.plant.get_mut().snapshot();
+        copy.ok_or_else(|| Kind::Option.error("this plant cannot be copied"))
+    }
+}
+
 impl Help {
+    fn clone_ref(&self, py: Python<'_>) -> Self {
+        Self {
+            rule: self.rule.clone_ref(py),
+            inference: self.inference,
+            silence: self.silence,
+            values: self.values.as_ref().map(|values| values.clone_ref(py)),
+            intent: self.intent.as_ref().map(|intent| intent.clone_ref(py)),
+        }
+    }
+
     fn cockpit(&self, plant: &dyn Plant) -> PyResult<Cockpit> {
         let (values, median_range) = match &self.values {
             Some(values) => values.get().values(plant.view().state.len(), plant.space().commands())?,

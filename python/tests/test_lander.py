@@ -2,7 +2,7 @@
 
 import copy
 
-import cohelm  # noqa: F401  (registers)
+import cohelm
 import gymnasium
 import numpy as np
 import pytest

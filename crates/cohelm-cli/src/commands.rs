@@ -5,5 +5,6 @@ pub mod episodes;
 pub mod evaluate;
 pub mod fly;
 pub mod reproduce;
+pub mod sweep;
 pub mod train;
 pub mod verify;

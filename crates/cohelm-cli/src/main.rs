@@ -27,6 +27,9 @@ enum Command {
     Evaluate(commands::evaluate::Evaluate),
     /// Reproduce the paper's experiment with simulated pilots.
     Reproduce(commands::reproduce::Reproduce),
+    /// Run many small experiments: a grid of flights or trainings, here or on a Ray cluster.
+    #[command(subcommand)]
+    Sweep(commands::sweep::Sweep),
     /// List the stored episodes.
     Episodes(commands::episodes::Episodes),
     /// Hold something against what was recorded elsewhere.
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
         Command::Train(train) => train.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
+        Command::Sweep(sweep) => sweep.run(),
         Command::Episodes(episodes) => episodes.run(),
         Command::Verify(verify) => verify.run(),
         Command::Bench(bench) => bench.run(),

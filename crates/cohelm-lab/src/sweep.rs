@@ -11,6 +11,7 @@ mod job;
 mod local;
 mod report;
 mod run;
+mod shelf;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -19,8 +20,9 @@ pub use description::{Choose, Description, Planned, Seeds};
 pub use folder::{Folder, Ran};
 pub use job::{Code, Flights, Job, Training, Work};
 pub use local::run_locally;
-pub use report::document;
+pub use report::{document, write_report};
 pub use run::{Done, Lab, MakePerson, run_job};
+pub use shelf::{Shelf, brought};
 pub use tables::{Finished, by_episode, by_job, dictionary, nodes, where_it_ran};
 
 use crate::experiment::ExperimentError;

@@ -1,7 +1,7 @@
 """Shared control of a person and a co-pilot: the exact lander, the co-pilot and the rules, in Python.
 
-The loop in five words: the pilot asks, the co-pilot infers the intent and estimates values, arbitration decides, the plant
-moves. Importing this package registers with Gymnasium:
+The loop in five words: the pilot asks, the co-pilot infers the intent and estimates values, arbitration decides,
+the plant moves. Importing this package registers with Gymnasium:
 
 ``cohelm/LunarLander-v3``
     Gymnasium's own environment, bit for bit, several times faster; also as a native vector environment.

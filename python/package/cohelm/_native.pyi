@@ -1,7 +1,8 @@
 """The native half: conversion only. Shapes and units stand here; what is computed is cohelm's."""
 
+from collections.abc import Callable
 from os import PathLike
-from typing import Any, Callable, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,9 +63,7 @@ class LanderVector:
         """Begins episodes; observations, shape (worlds, 8)."""
     def step(
         self, actions: NDArray[np.int64] | NDArray[np.float32]
-    ) -> tuple[
-        NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float32]
-    ]:
+    ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float32]]:
         """Observations (worlds, 8), rewards, terminated, truncated (worlds,), last observations (worlds, 8)."""
 
 @final
@@ -112,7 +111,9 @@ class World:
     def teacher(self, goal: int | None = None) -> int | NDArray[np.float32] | None:
         """What a hand-made controller would do for a goal, the pilot's own unless given."""
     def snapshot(self) -> World:
-        """A copy without a co-pilot that goes on with the same bits."""
+        """A copy that goes on with the same bits; with a co-pilot in it by flying the episode again up to here."""
+    def __copy__(self) -> World: ...
+    def __deepcopy__(self, _memo: Any) -> World: ...
     def render(self, width: int = 600, height: int = 450) -> NDArray[np.uint8]:
         """A picture, shape (height, width, 3)."""
 
@@ -164,6 +165,9 @@ class ValueModel:
     def load(path: str | PathLike[str]) -> ValueModel:
         """Reads a model's file."""
     @staticmethod
+    def from_bytes(bytes: bytes) -> ValueModel:
+        """Reads the bytes of a model's file."""
+    @staticmethod
     def from_layers(layers: list[tuple[NDArray[np.float32], NDArray[np.float32]]]) -> ValueModel:
         """A network trained elsewhere: (weights (outputs, inputs), bias (outputs,)) a layer, ReLU between them."""
     @property
@@ -184,6 +188,11 @@ class IntentModel:
     @staticmethod
     def load(path: str | PathLike[str]) -> IntentModel:
         """Reads a model's file."""
+    @staticmethod
+    def from_bytes(bytes: bytes) -> IntentModel:
+        """Reads the bytes of a model's file."""
+    def forward(self, network: str, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Outputs of the network "regression" or "calibrated" over one sequence, shape (ticks, outputs)."""
     @property
     def hash(self) -> str:
         """SHA-256 of the file."""
@@ -214,3 +223,21 @@ def reproduce(
     threads: int = 0,
 ) -> str:
     """See :func:`cohelm.reproduce`."""
+
+def sweep_plan(description: str | PathLike[str], out: str | PathLike[str]) -> tuple[int, int]:
+    """Plans a description into a folder: how many jobs there are, and how many of them have not finished."""
+
+def sweep_open(out: str | PathLike[str]) -> tuple[list[tuple[str, str]], list[bytes]]:
+    """Hash and record of the jobs that have not finished, and the files of models that they need brought along."""
+
+def sweep_keep(out: str | PathLike[str], record: str, model: bytes | None, ran_json: str) -> None:
+    """Keeps what came of a job that ran elsewhere."""
+
+def sweep_locally(out: str | PathLike[str], threads: int = 0) -> None:
+    """Runs the jobs that have not finished on this machine; 0 threads for one a core."""
+
+def sweep_report(out: str | PathLike[str]) -> list[str]:
+    """See :func:`cohelm.sweep.report`."""
+
+def run_job(job_json: str, models: list[bytes] = ...) -> tuple[str, bytes | None]:
+    """Runs one job on this thread: its outcome as JSON, and the file of the model that it trained, if it did."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -14,8 +16,8 @@ _NOTHING = -1
 class Rule:
     """A rule of arbitration with its parameters.
 
-    ``name`` is ``"hic"`` (human alone), ``"robot"``, ``"lasc"`` (linear), ``"misc"`` (minimal intervention, Eqs. 3-4 of the
-    paper), ``"tolerance"`` (constant tolerance ``alpha`` in [0, 1]) or ``"misc-r"`` (regret of at most
+    ``name`` is ``"hic"`` (human alone), ``"robot"``, ``"lasc"`` (linear), ``"misc"`` (minimal intervention, Eqs. 3-4
+    of the paper), ``"tolerance"`` (constant tolerance ``alpha`` in [0, 1]) or ``"misc-r"`` (regret of at most
     ``kappa * median_range``; ``median_range`` is the median over states of max Q - min Q, in the values' units).
 
     >>> rule = Rule("misc")
@@ -33,12 +35,20 @@ class Rule:
         kappa: float | None = None,
         median_range: float | None = None,
     ) -> None:
+        self._arguments = {"alpha": alpha, "kappa": kappa, "median_range": median_range}
         self.native = _Rule(name, alpha=alpha, kappa=kappa, median_range=median_range)
 
     @property
     def name(self) -> str:
         """The rule's word."""
         return self.native.name
+
+    def __getstate__(self) -> tuple[str, dict[str, float | None]]:
+        return self.name, self._arguments
+
+    def __setstate__(self, state: tuple[str, dict[str, float | None]]) -> None:
+        name, arguments = state
+        self.__init__(name, **arguments)  # type: ignore[misc]
 
     def __repr__(self) -> str:
         return repr(self.native)
@@ -50,7 +60,7 @@ class Rule:
         asked: ArrayLike | None,
         *,
         similarity: ArrayLike | None = None,
-    ) -> int | None | NDArray[np.int64]:
+    ) -> int | NDArray[np.int64] | None:
         """The action to carry out, given what every action is worth.
 
         Parameters
@@ -93,8 +103,8 @@ class Rule:
     ) -> NDArray[np.float32] | None:
         """The action to carry out among sampled actions of a continuous space.
 
-        ``candidates`` has shape (n, dimensions), ``values`` shape (n,), ``asked`` shape (dimensions,) or is ``None``. f of
-        Eq. 4 is minus the Euclidean distance, so put what the person asks for among the candidates. LASC blends:
+        ``candidates`` has shape (n, dimensions), ``values`` shape (n,), ``asked`` shape (dimensions,) or is ``None``.
+        f of Eq. 4 is minus the Euclidean distance, so put what the person asks for among the candidates. LASC blends:
         c * robot + (1 - c) * asked.
         """
         wanted = None if asked is None else _floats(asked, "asked")
@@ -110,7 +120,7 @@ def _floats(numbers: ArrayLike, what: str) -> NDArray[np.float32]:
         raise ArrayError(f"{what} cannot be read as an array of numbers: {error}") from error
 
 
-def _spread(numbers: NDArray, count: int) -> NDArray:
+def _spread(numbers: NDArray[Any], count: int) -> NDArray[Any]:
     if numbers.ndim == 0:
         return np.full(count, numbers)
     if numbers.shape != (count,):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any
 
 from . import _native
 from ._native import IntentModel, ValueModel
@@ -76,7 +77,8 @@ def reproduce(
         actions=actions,
         threads=threads,
     )
-    return json.loads(rows)
+    table: list[dict[str, Any]] = json.loads(rows)
+    return table
 
 
 def _order(

@@ -92,7 +92,7 @@ class LunarLanderVector(VectorEnv):
     ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """One tick of every world."""
         dtype = np.float32 if self.continuous else np.int64
-        given = self._native().step(np.ascontiguousarray(actions, dtype=dtype))
+        given = self._native().step(np.ascontiguousarray(actions, dtype=dtype))  # type: ignore[arg-type]
         observations, rewards, terminated, truncated, last = given
         over = terminated | truncated
         infos: dict[str, Any] = {}

@@ -154,6 +154,11 @@ impl Description {
         Ok(planned)
     }
 
+    /// The words by which flights name their models.
+    pub(super) fn model_words(&self) -> impl Iterator<Item = &String> {
+        self.fly.iter().flat_map(|grid| grid.values.iter().chain(&grid.intent))
+    }
+
     pub(super) fn wrong(place: &str, reason: impl Into<String>) -> SweepError {
         SweepError::Description { place: place.into(), reason: reason.into() }
     }

@@ -12,6 +12,7 @@
 
 use super::SweepError;
 use super::description::Planned;
+use super::job::Job;
 use super::run::Done;
 use cohelm_copilot::Model;
 use serde::{Deserialize, Serialize};
@@ -79,6 +80,13 @@ impl Folder {
         self.write("plan.json", (serde_json::to_string_pretty(planned)? + "\n").as_bytes())
     }
 
+    /// The description as it was given.
+    pub fn description(&self) -> Result<String, SweepError> {
+        let reason =
+            |_| SweepError::File { path: self.path.join("sweep.toml"), reason: "this is not text".into() };
+        String::from_utf8(self.read("sweep.toml")?).map_err(reason)
+    }
+
     /// The plan.
     pub fn planned(&self) -> Result<Vec<Planned>, SweepError> {
         Ok(serde_json::from_slice(&self.read("plan.json")?)?)
@@ -137,6 +145,18 @@ impl Folder {
             let _ = fs::remove_file(&beside);
             failed(&path, &error)
         })
+    }
+
+    /// Keeps what a worker elsewhere sent: its record, which must be that of the job it is said to be, and its model.
+    pub fn keep_record(&self, record: &str, model: Option<Model>, ran: &Ran) -> Result<(), SweepError> {
+        let read: serde_json::Value = serde_json::from_str(record)?;
+        let job: Job = serde_json::from_value(read["job"].clone())?;
+        let found = job.hash()?;
+        if found != ran.hash {
+            let reason = format!("the record is of job {found}");
+            return Err(SweepError::File { path: self.path.join(format!("done/{}.json", ran.hash)), reason });
+        }
+        self.keep(&Done { record: record.into(), model }, ran)
     }
 
     fn keep_model(&self, model: &Model) -> Result<(), SweepError> {

@@ -1,8 +1,8 @@
 //! The report of a sweep: interquartile means with stratified bootstrap intervals, and performance profiles, as Agarwal et
 //! al. (2021) ask for where runs are few.
 
-use super::SweepError;
-use super::tables::{Finished, OF_A_TRAINING, nodes};
+use super::tables::{Finished, OF_A_TRAINING, by_episode, by_job, dictionary, nodes, where_it_ran};
+use super::{Description, Folder, SweepError};
 use cohelm_study::apa::{number, percent};
 use cohelm_study::figures::{
     Axis, Better, Conditions, Curve, CurvePanel, Curves, Heading, ParetoPoint, ParetoScatter,
@@ -30,6 +30,24 @@ const OF_FLIGHTS: [&str; 7] = [
 ];
 /// What those of trainings show.
 const OF_TRAININGS: [&str; 4] = ["landed", "crashed", "mean_steps", "mean_return"];
+
+/// Writes the tables and the report of what has finished into the folder; gives the names of the files.
+pub fn write_report(folder: &Folder) -> Result<Vec<String>, SweepError> {
+    let (finished, planned) = (Finished::all(folder)?, folder.planned()?.len());
+    let title = Description::from_toml(&folder.description()?)?.title;
+    let tables = [
+        ("jobs.csv", by_job(&finished)),
+        ("episodes.csv", by_episode(&finished)),
+        ("ran.csv", where_it_ran(&finished)),
+        ("dictionary.csv", dictionary()),
+    ];
+    let tables = tables.into_iter().filter(|(_, csv)| !csv.rows().is_empty());
+    let tables = tables.map(|(name, csv)| (name.to_string(), csv.to_string().into_bytes()));
+    let files: Vec<(String, Vec<u8>)> =
+        tables.chain(document(&title, &finished, planned)?.files("report")).collect();
+    files.iter().try_for_each(|(name, bytes)| folder.write(name, bytes))?;
+    Ok(files.into_iter().map(|(name, _)| name).collect())
+}
 
 /// The report of what has finished. `planned` is how many jobs there are in all.
 pub fn document(title: &str, finished: &[Finished], planned: usize) -> Result<Document, SweepError> {

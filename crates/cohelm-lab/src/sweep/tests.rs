@@ -51,11 +51,11 @@ impl World {
     }
 
     fn plan(&self, text: &str) -> Result<Vec<Planned>, SweepError> {
-        let choose = |kind: Kind, word: &str, task: &Task, space: &ActionSpace| {
-            assert_eq!(word, "shipped");
-            self.models.newest_for(kind, task, space).map(|model| model.hash().into()).ok_or_else(String::new)
-        };
-        Description::from_toml(text)?.jobs(&self.lab(), &choose)
+        let description = Description::from_toml(text)?;
+        let shelf = Shelf::new(self.models.clone(), &description, Path::new("."))?;
+        let choose =
+            |kind: Kind, word: &str, task: &Task, space: &ActionSpace| shelf.choose(kind, word, task, space);
+        description.jobs(&self.lab(), &choose)
     }
 
     fn run(&self, planned: &[Planned], path: &Path, threads: usize) -> usize {
@@ -137,6 +137,9 @@ fn the_report_has_every_condition_and_says_what_is_missing() {
     assert_eq!(by_episode(&finished).rows().len(), 2 * finished.len());
     assert_eq!(by_job(&finished).rows().len(), finished.len());
     assert_eq!(where_it_ran(&finished).rows().len(), finished.len());
+    for name in write_report(&folder).unwrap() {
+        assert!(scratch.path().join(&name).metadata().unwrap().len() > 0, "{name}");
+    }
     let meant: Vec<String> = dictionary().rows().iter().map(|row| format!("{:?}", row[0])).collect();
     for column in by_episode(&finished).columns() {
         assert!(meant.contains(&format!("Text({column:?})")), "{column} is not in the dictionary");
@@ -190,6 +193,8 @@ fn wrong_descriptions_are_refused_in_words() {
         ("episodes = 2", "episodes = 2\nepisode = 2", "unknown field"),
         ("episodes = 2", "episodes = 2\nvary = { wings = [1] }", "wings"),
         ("count = 2", "count = 2000000", "at most 1000000 jobs"),
+        ("episodes = 2", "episodes = 2\nvalues = [\"best\"]", "write \"shipped\""),
+        ("episodes = 2", "episodes = 2\nvalues = [\"none.safetensors\"]", "none.safetensors"),
     ] {
         let said = world.plan(&SMALL.replace(from, to)).unwrap_err().to_string();
         assert!(said.contains(words), "{to}: {said}");
