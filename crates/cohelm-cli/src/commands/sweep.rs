@@ -117,7 +117,9 @@ impl Run {
         }
         let mut command = Command::new(&self.python);
         command.args(["-m", "cohelm.sweep"]).arg(folder.path());
-        self.address.iter().for_each(|address| drop(command.args(["--address", address])));
+        if let Some(address) = &self.address {
+            command.args(["--address", address]);
+        }
         // What the package prints goes beside what this prints for programs.
         let status = command.stdout(std::io::stderr()).status();
         let status = status.with_context(|| format!("cannot start {}", self.python.display()))?;
