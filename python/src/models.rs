@@ -279,11 +279,11 @@ pub fn shipped<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
     Ok(all)
 }
 
+/// Weights and bias of a layer.
+type Arrays<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>);
+
 impl Dense {
-    fn arrays<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>)> {
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Arrays<'py>> {
         let outputs = self.bias.len();
         let weights =
             PyArray1::from_slice(py, &self.weights).reshape([outputs, self.weights.len() / outputs])?;
