@@ -6,8 +6,9 @@ use cohelm::plant::Ending;
 use cohelm_lander::gymnasium::{Action, GymnasiumLander, Observation};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Numbers of an observation.
 const WIDTH: usize = 8;
@@ -263,23 +264,35 @@ fn step_all(seats: &mut [Seat], actions: &[Action], pool: Option<&ThreadPool>, a
         seats.iter_mut().zip(actions).for_each(|(seat, action)| seat.step(*action, autoreset));
         return;
     };
-    // Pieces smaller than a core's share let a core whose worlds are in the air, and quick, help the others.
-    let piece = seats.len().div_ceil(4 * pool.current_num_threads()).max(1);
-    pool.install(|| {
-        seats.par_chunks_mut(piece).zip(actions.par_chunks(piece)).for_each(|(seats, actions)| {
-            seats.iter_mut().zip(actions).for_each(|(seat, action)| seat.step(*action, autoreset));
-        });
+    // Pieces smaller than a core's share let a core whose worlds are in the air, and quick, help the others. The thread
+    // that asks works too, so that one thread less has to be woken.
+    let piece = seats.len().div_ceil(8 * (pool.current_num_threads() + 1)).max(1);
+    let pieces: Vec<_> =
+        seats.chunks_mut(piece).zip(actions.chunks(piece)).map(|one| Mutex::new(Some(one))).collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some(piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let taken = piece.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some((seats, actions)) = taken {
+                seats.iter_mut().zip(actions).for_each(|(seat, action)| seat.step(*action, autoreset));
+            }
+        }
+    };
+    pool.in_place_scope(|scope| {
+        (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| work()));
+        work();
     });
 }
 
-/// Threads for so many worlds; none where one does all.
+/// Threads beside the one that asks; none where it does all.
 fn pool(threads: usize, worlds: usize) -> PyResult<Option<ThreadPool>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { cores } else { threads }.min(worlds);
     if threads < 2 {
         return Ok(None);
     }
-    let pool = ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("cohelm-{i}")).build();
+    let pool =
+        ThreadPoolBuilder::new().num_threads(threads - 1).thread_name(|i| format!("cohelm-{i}")).build();
     pool.map(Some).map_err(|error| Kind::Run.error(error))
 }
 
