@@ -42,3 +42,13 @@ def test_misc_flies_with_the_values_of_a_dqn_of_stable_baselines():
     assert np.abs(critic.forward(inputs) - theirs).max() < 1e-5
     shares = example["fly"](critic, "misc", 3, inference="softmax")
     assert sum(shares.values()) == pytest.approx(1.0)
+
+
+def test_somebody_else_s_critic_lands_a_pilot_who_crashes_alone():
+    """The whole example, two to three minutes of processor time."""
+    example = runpy.run_path(str(EXAMPLES / "sb3_critic.py"))
+    critic = example["critic_of"](example["train"](80_000))
+    alone = example["fly"](critic, "hic", 30)
+    inferred = example["fly"](critic, "misc", 30, inference="softmax")
+    known = example["fly"](critic, "misc", 30, inference="known")
+    assert alone.get("goal", 0.0) <= 0.1 and inferred["goal"] >= 0.5 and known["goal"] >= 0.9, (alone, inferred, known)
