@@ -25,6 +25,18 @@ all_verify() {
     jq --exit-status '.finished > 0 and .identical == .finished and .in_the_air == 0 and .refused == 0' "$scratch/verified"
 }
 
+# reported_elsewhere_alike ARCHIVE DATABASE: the archive of a study and its database give the same report, to the byte, each
+# in a folder of its own.
+reported_elsewhere_alike() {
+    local from
+    rm -rf "$scratch/from-1" "$scratch/from-2"
+    for from in 1 2; do
+        (mkdir "$scratch/from-$from" && cd "$scratch/from-$from" && cohelm study report "${!from}" --out report >said)
+    done
+    [[ -s $scratch/from-1/report/report.html ]]
+    diff --recursive "$scratch/from-1/report" "$scratch/from-2/report"
+}
+
 # measured NAME COMMAND...: runs a command that prints JSON, and keeps as docs/measured/NAME.json what it printed, with
 # date, machine and the seconds it took.
 measured() {

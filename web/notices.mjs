@@ -1,6 +1,6 @@
 // node notices.mjs [--check]: writes public/notices.txt, the licences of what others made and this page carries: the
-// crates inside cohelm_page.wasm and Rust's standard library. With --check it writes nothing and fails if the file is
-// out of date. The script itself carries nothing of others; vite.config.ts refuses to bundle any package.
+// crates inside cohelm_page.wasm, Rust's standard library, and jsPsych with what it needs. With --check it writes nothing
+// and fails if the file is out of date. vite.config.ts refuses to bundle any other package.
 //
 // Where a licence may be chosen it is MIT, if that is among them.
 import { execFileSync } from 'node:child_process';
@@ -15,8 +15,8 @@ const RULE = '-'.repeat(100);
 
 const HEAD = `Third-party notices
 
-The page of cohelm is licensed under MIT OR Apache-2.0, as cohelm is. Its script and styles carry no code of others.
-The file cohelm_page.wasm carries the crates below, compiled, and parts of Rust's standard library.
+The pages of cohelm are licensed under MIT OR Apache-2.0, as cohelm is. The file jspsych.js carries jsPsych and the packages
+that it needs, for the participant's page; the other scripts and the styles carry no code of others. The file cohelm_page.wasm carries the crates below, compiled, and parts of Rust's standard library.
 The physics follow the methods of Box2D by Erin Catto (https://box2d.org, zlib licence), and sine and cosine those of Arm's
 optimized routines (https://github.com/ARM-software/optimized-routines, MIT OR Apache-2.0 WITH LLVM-exception); both were
 written anew.
@@ -25,6 +25,18 @@ written anew.
 const STANDARD_LIBRARY = `Rust's standard library: MIT OR Apache-2.0, https://github.com/rust-lang/rust
 Copyright (c) The Rust Project Contributors, and the authors of the crates that it is built with (compiler_builtins,
 dlmalloc, hashbrown, libm and others), under the same terms or MIT.`;
+
+/** Packages of npm in jspsych.js. Where the package brings no file with its licence, `holder` is who it names. */
+const CARRIED = [
+  { name: 'jspsych', home: 'https://www.jspsych.org', holder: 'Copyright (c) 2014-2018 Joshua R. de Leeuw' },
+  { name: 'auto-bind', home: 'https://github.com/sindresorhus/auto-bind', file: 'license' },
+  { name: 'random-words', home: 'https://github.com/apostrophecms/random-words', file: 'LICENSE' },
+  {
+    name: 'seedrandom',
+    home: 'https://github.com/davidbau/seedrandom',
+    holder: 'Copyright 2019 David Bau. lib/alea.js: Copyright (C) 2010 by Johannes Baagøe <baagoe@baagoe.org>',
+  },
+];
 
 function cargo(...words) {
   return execFileSync('cargo', words, { cwd: HERE, encoding: 'utf8', maxBuffer: 1 << 28 });
@@ -68,6 +80,18 @@ function licence({ name, license, manifest_path }) {
   throw new Error(`${name} (${license}) has no file with its licence in ${folder}`);
 }
 
+/** What is said of a package of npm. */
+function carried({ name, home, file, holder }) {
+  const folder = join(HERE, 'node_modules', name);
+  const { version, license } = JSON.parse(readFileSync(join(folder, 'package.json'), 'utf8'));
+  if (license !== 'MIT') throw new Error(`${name} has the licence ${license}, where MIT was expected`);
+  const text =
+    file === undefined
+      ? readFileSync(join(HERE, '..', 'LICENSE-MIT'), 'utf8').replace(/^Copyright .*$/m, holder)
+      : readFileSync(join(folder, file), 'utf8');
+  return [`${name} ${version}: ${license}, ${home}`, '', text.trim()].join('\n');
+}
+
 function notices() {
   const texts = crates().map((made) =>
     [
@@ -77,7 +101,7 @@ function notices() {
       licence(made).replaceAll('\r', '').trim(),
     ].join('\n'),
   );
-  const text = [HEAD, ...texts, STANDARD_LIBRARY].join(`\n${RULE}\n`);
+  const text = [HEAD, ...texts, STANDARD_LIBRARY, ...CARRIED.map(carried)].join(`\n${RULE}\n`);
   return `${text
     .split('\n')
     .map((line) => line.trimEnd())

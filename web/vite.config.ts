@@ -1,20 +1,31 @@
+import { fileURLToPath } from 'node:url';
 import { defineConfig, type Plugin } from 'vite';
 
-/** The page carries no package of others: one that crept in would need a notice (notices.mjs), so it ends the build. */
-const onlyOurOwn: Plugin = {
-  name: 'only-our-own',
+/** The packages of others that the participant's page carries; notices.mjs has the licence of each. */
+const CARRIED = ['jspsych', 'auto-bind', 'random-words', 'seedrandom'];
+
+/** Any other package would need a notice (notices.mjs), so one that crept in ends the build. */
+const onlyCarried: Plugin = {
+  name: 'only-carried',
   generateBundle(_, bundle) {
+    const isForeign = (id: string) => {
+      const name = id.split('node_modules/').at(-1)!.split('/')[0]!;
+      return id.includes('node_modules') && !CARRIED.includes(name);
+    };
     for (const chunk of Object.values(bundle)) {
-      const foreign = chunk.type === 'chunk' ? chunk.moduleIds.filter((id) => id.includes('node_modules')) : [];
+      const foreign = chunk.type === 'chunk' ? chunk.moduleIds.filter(isForeign) : [];
       if (foreign.length > 0)
         this.error(`the page would carry ${foreign.join(', ')}: add its licence to notices.mjs first`);
     }
   },
 };
 
-// The built page is committed and embedded in the binary: fixed names, no source maps, one script and one style sheet.
+const page = (name: string) => fileURLToPath(new URL(`${name}.html`, import.meta.url));
+
+// The built pages are committed and embedded in the binary: fixed names, no source maps, a script and a style sheet for
+// each page, and one of each for what they share.
 export default defineConfig({
-  plugins: [onlyOurOwn],
+  plugins: [onlyCarried],
   build: {
     outDir: 'dist',
     // The WebAssembly beside them is built by tools/build-wasm, not from here.
@@ -22,11 +33,28 @@ export default defineConfig({
     target: 'es2022',
     sourcemap: false,
     modulePreload: false,
-    cssCodeSplit: false,
     assetsInlineLimit: 0,
-    rollupOptions: {
-      output: { entryFileNames: 'app.js', chunkFileNames: '[name].js', assetFileNames: 'app[extname]' },
+    rolldownOptions: {
+      input: { app: page('index'), study: page('study'), research: page('research') },
+      output: {
+        entryFileNames: '[name].js',
+        chunkFileNames: '[name].js',
+        assetFileNames: '[name][extname]',
+        codeSplitting: {
+          groups: [
+            { name: 'jspsych', test: /node_modules/ },
+            { name: 'shared', test: /web\/(src|jspsych-cohelm)\//, minShareCount: 2 },
+          ],
+        },
+      },
     },
   },
-  server: { proxy: { '/api': 'http://127.0.0.1:8080', '/ws': { target: 'ws://127.0.0.1:8080', ws: true } } },
+  server: {
+    proxy: {
+      '/api': 'http://127.0.0.1:8080',
+      '/join': 'http://127.0.0.1:8080',
+      '/p/': 'http://127.0.0.1:8080',
+      '/ws': { target: 'ws://127.0.0.1:8080', ws: true },
+    },
+  },
 });

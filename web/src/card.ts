@@ -57,6 +57,11 @@ export class Card {
     return primary !== null;
   }
 
+  /** Shows again what was hidden last. */
+  reshow(): void {
+    this.node.hidden = false;
+  }
+
   hide(): void {
     clearTimeout(this.timer);
     this.node.hidden = true;

@@ -111,6 +111,24 @@ export interface ReplayReport {
   requests_identical: boolean | null;
 }
 
+/** Who asks from a branch on. */
+export type Hands =
+  | { pilot: 'recorded' }
+  | { pilot: 'nobody' }
+  | { pilot: 'greedy' }
+  | { pilot: 'person'; population: string; person: number };
+
+/** How a record is to be flown on, and from which tick. */
+export interface Wish {
+  at: number;
+  rule: Rule;
+  inference: Inference;
+  silence: 'best' | 'nothing';
+  values: string | null;
+  intent: string | null;
+  pilot: Hands;
+}
+
 export interface About {
   source_hash: string;
   version: string;
@@ -141,6 +159,8 @@ interface Exports {
   cohelm_finish(): number;
   cohelm_watch(): number;
   cohelm_seek(ticks: number): number;
+  cohelm_branch(): number;
+  cohelm_pilots(): number;
   cohelm_replay(): number;
   cohelm_panic(): number;
 }
@@ -154,7 +174,7 @@ export class CoreError extends Error {}
 /** The loop stopped by a bug of its own: this instance is of no more use, `revive` loads another. */
 export class CoreStopped extends Error {}
 
-/** One instance of the loop: it flies one flight, or shows one record, at a time. */
+/** One instance of the loop: it flies one flight, shows one record, or flies one on, at a time. */
 export class Core {
   private readonly models = new Map<string, Uint8Array>();
 
@@ -238,6 +258,17 @@ export class Core {
 
   seek(ticks: number): Tick | null {
     return this.json(this.call('cohelm_seek', ticks)) as Tick | null;
+  }
+
+  /** Flies the record that is watched on as wished; `tick` flies the branch, and another may follow it. */
+  branch(wish: Wish): Opening {
+    this.put(new TextEncoder().encode(JSON.stringify(wish)));
+    return this.json(this.call('cohelm_branch')) as Opening;
+  }
+
+  /** Who can take over the record that is watched. */
+  pilots(): Hands[] {
+    return this.json(this.call('cohelm_pilots')) as Hands[];
   }
 
   replay(record: Uint8Array): ReplayReport {

@@ -49,6 +49,18 @@ export function paintWay(pen: Pen, view: View, way: Way, upTo: number, whole: bo
   }
 }
 
+/** Another way, dashed. */
+export function paintOther(pen: Pen, view: View, points: Point[]): void {
+  if (points.length === 0) return;
+  pen.strokeStyle = `rgba(${TRAIL}, 0.75)`;
+  pen.lineWidth = 1.6 * view.line;
+  pen.setLineDash([2 * view.line, 6 * view.line]);
+  pen.beginPath();
+  points.forEach(([x, y]) => pen.lineTo(view.x(x), view.y(y)));
+  pen.stroke();
+  pen.setLineDash([]);
+}
+
 /** An arrow from the craft's edge to where it is heading. */
 export function paintHeading(pen: Pen, view: View, { at, velocity, size }: Motion): void {
   const [vx, vy] = [velocity[0] * AHEAD_S, -velocity[1] * AHEAD_S];
@@ -79,7 +91,7 @@ export function paintHeading(pen: Pen, view: View, { at, velocity, size }: Motio
 }
 
 /** Where the craft is while it cannot be seen, and how far beyond the edge. */
-export function paintOutOfSight(pen: Pen, view: View, { at, size }: Motion): void {
+export function paintOutOfSight(pen: Pen, view: View, { at, size }: Motion, away: string): void {
   const [x, y] = [view.x(at[0]), view.y(at[1])];
   const beyond = 0.5 * size * view.scale;
   if (x > -beyond && x < view.width + beyond && y > -beyond && y < view.height + beyond) return;
@@ -106,7 +118,7 @@ export function paintOutOfSight(pen: Pen, view: View, { at, size }: Motion): voi
   pen.font = '600 13px system-ui, sans-serif';
   pen.textAlign = py > view.height / 2 ? 'center' : px > view.width / 2 ? 'right' : 'left';
   pen.textBaseline = 'middle';
-  pen.fillText(`${(Math.hypot(x - px, y - py) / view.scale).toFixed(1)} away`, px > view.width / 2 ? -22 : 22, 12);
+  pen.fillText(`${(Math.hypot(x - px, y - py) / view.scale).toFixed(1)} ${away}`, px > view.width / 2 ? -22 : 22, 12);
   pen.restore();
 }
 

@@ -1,10 +1,11 @@
 // One flight in the page: the loop ticks by the clock, keys act at the next tick, the canvas draws in between.
 
 import { TickClock } from './clock';
-import type { Core, Ending, KeyKind, Opening, Setup, Tick } from './core';
+import type { Control, Core, Ending, KeyKind, Opening, Setup, Tick } from './core';
 import { PadListener } from './gamepad';
 import { KeyListener } from './keys';
-import { eventsBefore } from './record';
+import { Meter, type Measured } from './meter';
+import { eventsBefore, keyEvents, type LoggedKey } from './record';
 import type { Stage } from './stage';
 
 /** What the flight tells whoever shows it. */
@@ -31,6 +32,25 @@ export interface FlightSummary {
   record: Uint8Array;
 }
 
+/** What a flight may be told besides; everything may be left out. */
+export interface FlightOptions {
+  /** The keys that the person chose, for the controls of the plant. */
+  bind?: (controls: Control[]) => Control[];
+  /** True if nothing of what the co-pilot did may be drawn. */
+  plain?: boolean;
+  /** When the flight began, ms since 1970, if that was before now. */
+  begunAt?: number;
+  /** Takes the measures of how it went; one of its own if left out. */
+  meter?: Meter;
+}
+
+/** A flight as far as it was flown: its key log and how many ticks that is good for. */
+export interface KeyLog {
+  ticks: number;
+  /** The events with tick < `ticks`, as in a record. */
+  events: Uint8Array;
+}
+
 /** Where the key log goes while the flight runs, a second at a time. */
 export interface KeyLogSink {
   chunk(fromTick: number, toTick: number, events: Uint8Array, digests: { plant: string; decisions: string }): void;
@@ -48,12 +68,17 @@ export class FlightRun {
   private readonly clock: TickClock;
   private readonly keys: KeyListener;
   private readonly pad: PadListener;
+  readonly meter: Meter;
   private older;
   private newer;
   private frame = 0;
   private timer = 0;
   private state: 'ready' | 'flying' | 'paused' | 'ended' = 'ready';
   private startedAt = 0;
+  /** Time of the last event of a log that this flight goes on from, ms since it began. */
+  private lastEventAt = 0;
+  /** The log of a flight that has ended, which the loop does not give any more. */
+  private whole: KeyLog | null = null;
   private counts = { ticks: 0, commands: 0, corrected: 0, lateFrames: 0 };
   private lastFrameAt = 0;
   private chunkFrom = 0;
@@ -66,19 +91,58 @@ export class FlightRun {
     private readonly stage: Stage,
     private readonly events: FlightEvents,
     private readonly sink: KeyLogSink | null,
+    private readonly options: FlightOptions = {},
   ) {
+    this.meter = options.meter ?? new Meter();
     this.opening = core.begin(setup);
     const { controls, poses, ticks_per_second, scene, pilot_goal } = this.opening;
     this.older = poses;
     this.newer = poses;
     this.clock = new TickClock(1000 / (ticks_per_second * setup.time_scale));
     const change = (kind: KeyKind, control: number, at: number) => this.key(kind, control, at);
-    this.keys = new KeyListener(controls, change);
-    this.pad = new PadListener(controls, hasAxes, change, (stick, at) =>
-      this.log(() => core.stick(stick, at - this.startedAt)),
+    this.keys = new KeyListener(options.bind?.(controls) ?? controls, (kind, control, at) => {
+      this.meter.pressed(at);
+      change(kind, control, at);
+    });
+    this.pad = new PadListener(
+      controls,
+      hasAxes,
+      (kind, control, at) => {
+        this.meter.pushed();
+        change(kind, control, at);
+      },
+      (stick, at) => {
+        this.meter.pushed();
+        this.note(() => core.stick(stick, at - this.startedAt));
+      },
     );
     stage.show(scene, pilot_goal, setup.seed, ticks_per_second);
     this.frame = requestAnimationFrame((now) => this.drawFrame(now));
+  }
+
+  /** Flies a log again, at once and unheard: the flight goes on after its last tick, with all keys released. */
+  goOnFrom({ ticks, events }: KeyLog): void {
+    if (this.state !== 'ready' || this.counts.ticks > 0) return;
+    this.guard(() => {
+      const log = keyEvents(events);
+      let next = 0;
+      while (this.counts.ticks < ticks && this.state === 'ready') {
+        for (; (log[next]?.tick ?? Infinity) <= this.counts.ticks; next += 1) take(this.core, log[next]!);
+        const tick = this.advance();
+        if (tick === null) return;
+        this.settle(tick);
+      }
+      this.lastEventAt = log.at(-1)?.atMs ?? 0;
+      if (this.state === 'ready' && log.length > 0 && log.at(-1)!.kind !== 'release-all')
+        this.core.key('release-all', 0, this.lastEventAt);
+    });
+  }
+
+  /** The log up to the last tick. */
+  log(): KeyLog {
+    if (this.whole !== null) return this.whole;
+    const { ticks } = this.counts;
+    return { ticks, events: eventsBefore(this.core.eventsFrom(0), ticks).bytes };
   }
 
   /** Starts, or goes on after a pause. */
@@ -86,9 +150,11 @@ export class FlightRun {
     if (this.state !== 'ready' && this.state !== 'paused') return;
     const now = performance.now();
     if (this.state === 'ready') {
-      this.startedAt = now;
+      const since = this.options.begunAt === undefined ? 0 : Date.now() - this.options.begunAt;
+      this.startedAt = now - Math.max(since, this.lastEventAt, 0);
       this.keys.attach(window);
     }
+    this.meter.goesOn(now);
     this.state = 'flying';
     this.lastFrameAt = 0;
     this.clock.start(now);
@@ -104,6 +170,7 @@ export class FlightRun {
     this.clock.pause(now);
     clearInterval(this.timer);
     this.state = 'paused';
+    this.meter.pauses(now);
     this.events.paused(true);
   }
 
@@ -136,16 +203,21 @@ export class FlightRun {
     return this.counts.ticks;
   }
 
+  /** How it went on this machine, so far. */
+  measured(): Measured {
+    return this.meter.soFar(this.clock.late);
+  }
+
   /** Controls that are held now. */
   held(): ReadonlySet<number> {
     return new Set([...this.keys.heldControls(), ...this.pad.heldControls()]);
   }
 
   private key(kind: KeyKind, control: number, timeStamp: number): void {
-    this.log(() => this.core.key(kind, control, timeStamp - this.startedAt));
+    this.note(() => this.core.key(kind, control, timeStamp - this.startedAt));
   }
 
-  private log(change: () => void): void {
+  private note(change: () => void): void {
     if (this.state !== 'flying') return;
     this.guard(change);
   }
@@ -155,6 +227,7 @@ export class FlightRun {
     if (this.state === 'flying') {
       if (this.lastFrameAt > 0 && now - this.lastFrameAt > LATE_FRAME_MS) this.counts.lateFrames += 1;
       this.lastFrameAt = now;
+      this.meter.drew(now);
       this.fly(now);
     }
     this.stage.draw(this.older, this.newer, this.clock.between(now), now, this.state !== 'paused');
@@ -166,15 +239,26 @@ export class FlightRun {
 
   private tick(now: number): void {
     this.pad.poll(now);
-    const tick = this.core.tick();
+    this.meter.acts(performance.now());
+    const tick = this.advance();
     if (tick === null) return;
+    this.events.tick(tick);
+    this.settle(tick);
+  }
+
+  private advance(): Tick | null {
+    const tick = this.core.tick();
+    if (tick === null) return null;
     this.counts.ticks += 1;
     if (tick.asked !== null) this.counts.commands += 1;
     if (tick.intervention?.effective === true) this.counts.corrected += 1;
     this.older = this.newer;
     this.newer = tick.poses;
-    this.stage.note(tick);
-    this.events.tick(tick);
+    this.stage.note(this.options.plain === true ? { poses: tick.poses, intervention: null } : tick);
+    return tick;
+  }
+
+  private settle(tick: Tick): void {
     if (this.counts.ticks % CHUNK_TICKS === 0) this.sendChunk();
     if (tick.ending !== null) this.end(tick.ending);
   }
@@ -194,6 +278,7 @@ export class FlightRun {
     this.stop();
     const { ticks, commands, corrected, lateFrames } = this.counts;
     const seconds = ticks / this.opening.ticks_per_second;
+    this.whole = this.log();
     const record = this.core.finish();
     this.stage.end(ending);
     this.events.ended({ ending, ticks, seconds, commands, corrected, lateTicks: this.clock.late, lateFrames, record });
@@ -215,4 +300,10 @@ export class FlightRun {
       this.events.failed(error);
     }
   }
+}
+
+/** Does in the loop what an event of a log says. */
+function take(core: Core, event: LoggedKey): void {
+  if (event.kind === 'stick') core.stick(event.stick, event.atMs);
+  else core.key(event.kind, event.control, event.atMs);
 }

@@ -97,3 +97,31 @@ export class PadListener {
     });
   }
 }
+
+/** How often a pad is asked while nothing is flown, ms. */
+const ASK_EVERY_MS = 50;
+/** The lower button and the one that starts games, by the standard mapping. */
+const CONFIRM = [0, 9];
+
+/** Says when a pad confirms something: one of two buttons went down. */
+export class PadConfirm {
+  private held = true;
+  private readonly timer: ReturnType<typeof setInterval>;
+
+  constructor(
+    private readonly confirm: () => void,
+    private readonly pads: () => (PadState | null)[] = () => [...(navigator.getGamepads?.() ?? [])],
+  ) {
+    this.timer = setInterval(() => this.poll(), ASK_EVERY_MS);
+  }
+
+  dispose(): void {
+    clearInterval(this.timer);
+  }
+
+  private poll(): void {
+    const held = this.pads().some((pad) => CONFIRM.some((button) => pad?.buttons[button]?.pressed === true));
+    if (held && !this.held) this.confirm();
+    this.held = held;
+  }
+}

@@ -9,15 +9,17 @@ export class Hud {
   readonly node = element('div', { class: 'hud', 'aria-hidden': 'true' });
   private readonly clock = element('b', { class: 'clock' });
   private readonly mode = element('span', { class: 'mode' });
+  private readonly heading = element('span', { class: 'heading' });
   private readonly pressed = element('span', { class: 'pressed' });
   private readonly needle = element('i', {});
   private readonly tilt = element('span', {});
   private readonly upwards = element('span', {});
   private readonly across = element('span', {});
+  private word = 'tilt';
 
   constructor() {
     this.node.append(
-      element('div', {}, this.clock, this.mode),
+      element('div', {}, this.clock, this.mode, this.heading),
       this.pressed,
       element(
         'div',
@@ -30,8 +32,11 @@ export class Hud {
     );
   }
 
-  begin(opening: Opening, mode: string): void {
+  /** `heading` says which flight it is, where that matters; `tilt` is the word for it. */
+  begin(opening: Opening, mode: string, heading = '', tilt = 'tilt'): void {
     this.mode.textContent = mode;
+    this.heading.textContent = heading;
+    this.word = tilt;
     this.pressed.replaceChildren(
       ...opening.controls.map((control) => element('kbd', { title: control.name }, keyCap(control.keys[0] ?? '?'))),
     );
@@ -43,7 +48,7 @@ export class Hud {
     this.clock.textContent = `${seconds.toFixed(1)} s`;
     const degrees = (tilt_rad * 180) / Math.PI;
     this.needle.style.transform = `rotate(${-degrees}deg)`;
-    this.tilt.textContent = `tilt ${Math.abs(degrees).toFixed(0)}°`;
+    this.tilt.textContent = `${this.word} ${Math.abs(degrees).toFixed(0)}°`;
     this.upwards.textContent = `${upwards < -0.05 ? '↓' : upwards > 0.05 ? '↑' : '↕'} ${Math.abs(upwards).toFixed(1)}`;
     this.across.textContent = `${across < -0.05 ? '←' : across > 0.05 ? '→' : '↔'} ${Math.abs(across).toFixed(1)}`;
   }

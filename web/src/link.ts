@@ -1,7 +1,7 @@
 // The way to the server. Flights go on whatever happens to it: their key logs are kept until the server has them.
 
 import type { Ending, Setup } from './core';
-import { keepPending, keptPending, type Pending } from './pending';
+import { keepPending, keptPending, PENDING_PLACE, type Pending } from './pending';
 import * as protocol from './protocol';
 
 /** Ms before the first attempt to connect again, and the longest wait between two. */
@@ -10,6 +10,8 @@ const [FIRST_WAIT_MS, LONGEST_WAIT_MS] = [500, 8000];
 const MOST_BREAKS = 3;
 /** Close codes that blame the page's message (docs/records.md, "Closing"). */
 const BLAMES_MESSAGE = [1002, 1003, 1009];
+/** The code with which the server says that another tab flies for this person now. */
+const TAKEN_OVER = 4001;
 
 /** What the link tells. */
 export interface LinkEvents {
@@ -21,8 +23,20 @@ export interface LinkEvents {
   welcome(about: protocol.Welcome): void;
   /** Other values assist from the next flight on. */
   newModel(hash: string): void;
-  /** A flight is stored, under this number. */
-  stored(episode: number): void;
+  /** A flight is stored, under this number; `key` is what it was begun with, as hexadecimal digits. */
+  stored(episode: number, key: string): void;
+  /** A flight cannot be stored. Without this it is trouble. */
+  refused?(reason: string, key: string): void;
+  /** Another tab took over; this link does not connect again. */
+  takenOver?(): void;
+}
+
+/** What a flight is begun with, if not with a random key and now. */
+export interface Begin {
+  /** Sixteen bytes. */
+  key?: Uint8Array;
+  /** ms since 1970. */
+  begunAt?: number;
 }
 
 /** How far a flight was sent on this connection. */
@@ -37,23 +51,47 @@ interface Sending {
 /** Sends flights one after the other, and again after a lost connection. */
 export class Link {
   private socket: WebSocket | null = null;
-  private readonly queue: Sending[] = keptPending().map(fresh);
+  private readonly queue: Sending[];
   private flying: Pending | null = null;
   private wait = FIRST_WAIT_MS;
+  private closed = false;
 
+  /** `place` is where finished flights outlive a reload in this browser; null if somebody else sees to that. */
   constructor(
     private readonly address: string,
     private readonly events: LinkEvents,
+    private readonly place: string | null = PENDING_PLACE,
   ) {
+    this.queue = place === null ? [] : keptPending(place).map(fresh);
     this.connect();
   }
 
-  /** A flight begins. */
-  begin(setup: Setup): void {
-    const key = crypto.getRandomValues(new Uint8Array(16));
-    this.flying = { key, begunAt: Date.now(), setup, pieces: [], end: null };
+  /** A flight begins, or goes on under the key that it was begun with; then its pieces come from the first tick. */
+  begin(setup: Setup, { key, begunAt }: Begin = {}): void {
+    this.flying = {
+      key: key ?? crypto.getRandomValues(new Uint8Array(16)),
+      begunAt: begunAt ?? Date.now(),
+      setup,
+      pieces: [],
+      end: null,
+    };
     this.queue.push(fresh(this.flying));
     if (this.queue.length === 1) this.announce();
+  }
+
+  get isConnected(): boolean {
+    return this.socket !== null;
+  }
+
+  /** Forgets the flight in the air: it is begun again later, or never. */
+  forget(): void {
+    if (this.flying !== null) this.drop(this.flying);
+  }
+
+  /** Says good-bye; what was not sent is not sent from here any more. */
+  close(): void {
+    this.closed = true;
+    this.socket?.close();
   }
 
   /** A piece of its key log. */
@@ -81,6 +119,10 @@ export class Link {
     const socket = new WebSocket(this.address);
     socket.binaryType = 'arraybuffer';
     socket.addEventListener('open', () => {
+      if (this.closed) {
+        socket.close();
+        return;
+      }
       this.socket = socket;
       this.wait = FIRST_WAIT_MS;
       for (const sending of this.queue) Object.assign(sending, { pieces: null, end: false });
@@ -92,7 +134,12 @@ export class Link {
       this.socket = null;
       this.blame(event.code, event.reason);
       this.tell();
-      setTimeout(() => this.connect(), this.wait);
+      if (event.code === TAKEN_OVER) this.events.takenOver?.();
+      this.closed ||= event.code === TAKEN_OVER;
+      if (this.closed) return;
+      setTimeout(() => {
+        if (!this.closed) this.connect();
+      }, this.wait);
       this.wait = Math.min(this.wait * 2, LONGEST_WAIT_MS);
     });
   }
@@ -103,7 +150,8 @@ export class Link {
     if (first === undefined || !BLAMES_MESSAGE.includes(code)) return;
     first.breaks += 1;
     if (first.breaks < MOST_BREAKS) return;
-    this.events.trouble(`A flight was not stored: ${reason}`);
+    if (this.events.refused === undefined) this.events.trouble(`A flight was not stored: ${reason}`);
+    else this.refuse(first.flight, reason);
     this.drop(first.flight);
   }
 
@@ -125,11 +173,16 @@ export class Link {
       this.flush();
     } else if (message.kind === 'finished') {
       this.drop(sending.flight);
-      this.events.stored(Number(message.episode));
+      this.events.stored(Number(message.episode), protocol.toHex(sending.flight.key));
     } else if (message.kind === 'refused') {
       this.drop(sending.flight);
-      this.events.trouble(`The flight was not stored: ${message.reason}`);
+      this.refuse(sending.flight, message.reason);
     }
+  }
+
+  private refuse(flight: Pending, reason: string): void {
+    if (this.events.refused === undefined) this.events.trouble(`The flight was not stored: ${reason}`);
+    else this.events.refused(reason, protocol.toHex(flight.key));
   }
 
   /** Lets go of a flight and announces the next. */
@@ -143,7 +196,7 @@ export class Link {
 
   private tell(): void {
     const flights = this.queue.map((sending) => sending.flight);
-    keepPending(flights);
+    if (this.place !== null) keepPending(flights, this.place);
     this.events.state(this.socket !== null, flights.filter((flight) => flight !== this.flying).length);
   }
 

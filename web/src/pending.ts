@@ -13,18 +13,19 @@ export interface Pending {
   end: { ticks: number; ending: Ending; digests: { plant: string; decisions: string } } | null;
 }
 
-const PLACE = 'cohelm.flights.1';
+/** Where they are kept, if nobody says otherwise. */
+export const PENDING_PLACE = 'cohelm.flights.1';
 /** Most flights that are kept: a flight takes some kilobytes, and browsers give a page five megabytes. */
 const MOST = 200;
 
 /** Keeps the finished ones of these flights; the newest, if they are too many. */
-export function keepPending(flights: Pending[]): void {
+export function keepPending(flights: Pending[], place: string): void {
   const finished = flights.filter((flight) => flight.end !== null).slice(-MOST);
   try {
-    if (finished.length === 0) localStorage.removeItem(PLACE);
+    if (finished.length === 0) localStorage.removeItem(place);
     else
       localStorage.setItem(
-        PLACE,
+        place,
         JSON.stringify(finished, (_, value: unknown) => (value instanceof Uint8Array ? toHex(value) : value)),
       );
   } catch {
@@ -33,13 +34,13 @@ export function keepPending(flights: Pending[]): void {
 }
 
 /** What was kept; nothing if it cannot be read. */
-export function keptPending(): Pending[] {
+export function keptPending(place: string): Pending[] {
   try {
     type Kept = Omit<Pending, 'key' | 'pieces'> & {
       key: string;
       pieces: (Omit<Piece, 'events'> & { events: string })[];
     };
-    const kept = JSON.parse(localStorage.getItem(PLACE) ?? '[]') as Kept[];
+    const kept = JSON.parse(localStorage.getItem(place) ?? '[]') as Kept[];
     return kept.map((flight) => ({
       ...flight,
       key: fromHex(flight.key),
@@ -50,6 +51,7 @@ export function keptPending(): Pending[] {
   }
 }
 
-function fromHex(digits: string): Uint8Array {
+/** The bytes of hexadecimal digits. */
+export function fromHex(digits: string): Uint8Array {
   return Uint8Array.from(digits.match(/../g) ?? [], (pair) => Number.parseInt(pair, 16));
 }

@@ -1,6 +1,6 @@
 // What can be read of a record without flying it: docs/records.md says what each byte is.
 
-import type { Ending, Setup } from './core';
+import type { Ending, KeyKind, Setup } from './core';
 
 /** The format this page reads. */
 const FORMAT = 1;
@@ -83,4 +83,28 @@ export function eventsBefore(log: Uint8Array, tick: number): { count: number; by
     count += 1;
   }
   return { count, bytes: log.subarray(0, at) };
+}
+
+/** An event of a key log. */
+export type LoggedKey =
+  | { tick: number; atMs: number; kind: KeyKind; control: number }
+  | { tick: number; atMs: number; kind: 'stick'; stick: [number, number, number, number] };
+
+const KINDS: KeyKind[] = ['down', 'up', 'release-all'];
+
+/** Reads the events of a key log; what is cut off or of no known kind ends the list. */
+export function keyEvents(log: Uint8Array): LoggedKey[] {
+  const view = new DataView(log.buffer, log.byteOffset, log.byteLength);
+  const events: LoggedKey[] = [];
+  for (let at = 0; at + EVENT <= log.length;) {
+    const [tick, atMs, kind] = [view.getUint32(at, true), view.getFloat32(at + 4, true), view.getUint8(at + 8)];
+    if (kind === STICK) {
+      if (at + STICK_EVENT > log.length) break;
+      const axis = (i: number) => view.getInt16(at + 10 + 2 * i, true);
+      events.push({ tick, atMs, kind: 'stick', stick: [axis(0), axis(1), axis(2), axis(3)] });
+    } else if (KINDS[kind] === undefined) break;
+    else events.push({ tick, atMs, kind: KINDS[kind], control: view.getUint8(at + 9) });
+    at += kind === STICK ? STICK_EVENT : EVENT;
+  }
+  return events;
 }

@@ -60,26 +60,30 @@ export async function readRecording(
   return { opening, length, differing, history, posesAt, tickAt: (tick) => (tick === 0 ? null : core.seek(tick)) };
 }
 
-/** Plays a recording on a stage. */
+/** A recording and the stage that it is drawn on. */
+export interface Screen {
+  recording: Recording;
+  stage: Stage;
+  /** Its end was shown. */
+  over?: boolean;
+}
+
+/** Plays recordings in step, each on a stage of its own; the first one sets the pace. */
 export class ReplayRun {
   speed = 1;
+  /** Ticks of the longest. */
+  readonly length: number;
   private position = 0;
   private frame = 0;
   private playing = false;
   private lastAt = 0;
-  private over = false;
 
   constructor(
-    private readonly recording: Recording,
-    private readonly stage: Stage,
-    private readonly moved: (tick: Tick | null, position: number) => void,
+    private readonly screens: readonly [Screen, ...Screen[]],
+    private readonly moved: (position: number) => void,
   ) {
-    const { opening, history, length, posesAt } = recording;
-    stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, opening.ticks_per_second);
-    for (let tick = 1; tick <= length; tick += 1) {
-      const changed = ['corrected', 'opposed'].includes(history.outcomes[tick - 1] ?? 'none');
-      stage.note({ poses: posesAt(tick), intervention: { effective: changed, nominal: changed, opposed: false } });
-    }
+    this.length = Math.max(...screens.map(({ recording }) => recording.length));
+    screens.forEach(prepare);
     this.frame = requestAnimationFrame((now) => this.drawFrame(now));
   }
 
@@ -89,11 +93,11 @@ export class ReplayRun {
 
   /** Whole ticks from the beginning. */
   get tick(): number {
-    return Math.min(Math.floor(this.position), this.recording.length);
+    return Math.min(Math.floor(this.position), this.length);
   }
 
   play(): void {
-    if (this.position >= this.recording.length) this.seek(0);
+    if (this.position >= this.length) this.seek(0);
     this.playing = true;
     this.lastAt = 0;
   }
@@ -104,7 +108,7 @@ export class ReplayRun {
   }
 
   seek(position: number): void {
-    this.position = Math.min(Math.max(position, 0), this.recording.length);
+    this.position = Math.min(Math.max(position, 0), this.length);
     this.tell();
   }
 
@@ -115,16 +119,19 @@ export class ReplayRun {
   private drawFrame(now: number): void {
     this.frame = requestAnimationFrame((next) => this.drawFrame(next));
     if (this.playing) this.advance(now);
-    const { recording, tick } = this;
-    const newer = Math.min(tick + 1, recording.length);
-    this.stage.draw(
-      recording.posesAt(tick),
-      recording.posesAt(newer),
-      this.position - tick,
-      now,
-      this.playing || this.over,
-      tick + 1,
-    );
+    for (const { recording, stage, over } of this.screens) {
+      const older = Math.min(this.tick, recording.length);
+      const newer = Math.min(older + 1, recording.length);
+      const part = Math.min(this.position, recording.length) - older;
+      stage.draw(
+        recording.posesAt(older),
+        recording.posesAt(newer),
+        part,
+        now,
+        this.playing || over === true,
+        older + 1,
+      );
+    }
   }
 
   private advance(now: number): void {
@@ -132,19 +139,32 @@ export class ReplayRun {
     this.lastAt = now;
     const before = this.tick;
     // As fast as the person saw it, times what was chosen.
-    const { ticks_per_second, setup } = this.recording.opening;
+    const { ticks_per_second, setup } = this.screens[0].recording.opening;
     const ticks = (passed * ticks_per_second * setup.time_scale * this.speed) / 1000;
-    this.position = Math.min(this.position + ticks, this.recording.length);
-    if (this.position >= this.recording.length) this.playing = false;
+    this.position = Math.min(this.position + ticks, this.length);
+    if (this.position >= this.length) this.playing = false;
     if (this.tick !== before || !this.playing) this.tell();
   }
 
   private tell(): void {
-    const tick = this.recording.tickAt(this.tick);
-    const ended = this.tick >= this.recording.length && tick?.ending != null;
-    if (ended && !this.over) this.stage.end(tick.ending!);
-    if (!ended && this.over) this.stage.rewind();
-    this.over = ended;
-    this.moved(tick, this.tick);
+    for (const screen of this.screens) {
+      const { recording, stage } = screen;
+      const ending = this.tick >= recording.length ? recording.tickAt(recording.length)?.ending : null;
+      const ended = ending != null;
+      if (ended && screen.over !== true) stage.end(ending);
+      if (!ended && screen.over === true) stage.rewind();
+      screen.over = ended;
+    }
+    this.moved(this.tick);
+  }
+}
+
+/** Puts a recording's scene up, with the whole way that it goes. */
+function prepare({ recording, stage }: Screen): void {
+  const { opening, history, length, posesAt } = recording;
+  stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, opening.ticks_per_second);
+  for (let tick = 1; tick <= length; tick += 1) {
+    const changed = ['corrected', 'opposed'].includes(history.outcomes[tick - 1] ?? 'none');
+    stage.note({ poses: posesAt(tick), intervention: { effective: changed, nominal: changed, opposed: false } });
   }
 }

@@ -2,24 +2,14 @@
 
 import type { Context, View } from './context';
 import { CoreError, type Ending, type ReplayReport } from './core';
-import { button, element, isTheirs, select } from './dom';
+import { button, element } from './dom';
 import { drawStrip } from './history';
 import { Overlay } from './overlay';
+import { Player } from './player';
 import { readRecording, ReplayRun, type Recording } from './replay';
 import { sheetOf } from './sheet';
 import { Stage } from './stage';
 import { ENDING_WORDS, reasonOf, RULE_NAMES, sentence } from './words';
-
-const SPEEDS: [string, string][] = [
-  ['0.1', '0.1×'],
-  ['0.25', '¼×'],
-  ['0.5', '½×'],
-  ['1', '1×'],
-  ['2', '2×'],
-  ['4', '4×'],
-];
-/** Ticks that a step with the Shift key goes. */
-const LONG_STEP = 25;
 
 /** What is watched: where its bytes come from, what it is called, and where to go back to. */
 export interface Source {
@@ -33,28 +23,19 @@ export class ReplayView implements View {
   readonly footer = element('footer', { class: 'player' });
   private readonly overlay = new Overlay();
   private readonly title = element('div', { class: 'title' });
-  private readonly slider = element('input', {
-    type: 'range',
-    min: '0',
-    step: '1',
-    value: '0',
-    'aria-label': 'Moment of the flight, in ticks',
-  });
   private readonly strip = element('canvas', { class: 'strip', 'aria-hidden': 'true' });
-  private readonly time = element('output', { class: 'time' });
-  private readonly play = button('', { class: 'secondary play' }, () => this.toggle());
+  private readonly player: Player;
   private run: ReplayRun | null = null;
   private disposed = false;
   private file: string | null = null;
-  private readonly onKey = (event: KeyboardEvent) => this.shortcut(event);
   private readonly onResize = () => this.drawStrip();
   private drawStrip: () => void = () => {};
 
   constructor(
-    private readonly context: Context,
+    private readonly context: Pick<Context, 'core' | 'hangar' | 'go'>,
     private readonly source: Source,
   ) {
-    window.addEventListener('keydown', this.onKey);
+    this.player = new Player(() => context.go(source.back.place));
     window.addEventListener('resize', this.onResize);
     void this.open();
   }
@@ -63,7 +44,7 @@ export class ReplayView implements View {
     this.disposed = true;
     this.run?.dispose();
     if (this.file !== null) URL.revokeObjectURL(this.file);
-    window.removeEventListener('keydown', this.onKey);
+    this.player.dispose();
     window.removeEventListener('resize', this.onResize);
   }
 
@@ -132,29 +113,24 @@ export class ReplayView implements View {
     this.overlay.begin(opening.setup.rule, opening.pilot_goal, opening.goals, []);
     const ending = recording.tickAt(length)?.ending ?? 'abandoned';
     this.showTitle(recording, ending, exact);
-    this.slider.max = String(length);
-    this.slider.addEventListener('input', () => this.seek(Number(this.slider.value)));
     this.drawStrip = () => drawStrip(this.strip, recording.history, 0, length);
-    const speed = select('speed', SPEEDS, '1', (chosen) => {
-      if (this.run !== null) this.run.speed = Number(chosen);
-    });
+    const { player } = this;
     this.footer.replaceChildren(
       this.back(),
-      this.play,
-      element('div', { class: 'scrubber' }, this.strip, this.slider),
-      this.time,
-      speed,
+      player.play,
+      element('div', { class: 'scrubber' }, this.strip, player.slider),
+      player.time,
+      player.speed,
       ...this.download(),
     );
-    this.run = new ReplayRun(recording, new Stage(back, canvas), (tick, position) => {
-      this.slider.value = String(position);
-      this.time.textContent = `${(position / opening.ticks_per_second).toFixed(2)} s`;
-      this.overlay.show(tick, recording.history, position);
-      this.showPlay();
+    this.run = new ReplayRun([{ recording, stage: new Stage(back, canvas) }], (position) => {
+      player.show(position);
+      this.overlay.show(recording.tickAt(position), recording.history, position);
     });
+    player.take(this.run, opening.ticks_per_second);
     this.run.seek(0);
     this.run.play();
-    this.showPlay();
+    player.show(0);
     this.drawStrip();
   }
 
@@ -187,40 +163,5 @@ export class ReplayView implements View {
     if (this.file === null) return [];
     const name = `${this.source.title.toLowerCase().replace(/[^a-z0-9]+/g, '-')}.cohelm`;
     return [element('a', { href: this.file, download: name, class: 'secondary' }, 'Save')];
-  }
-
-  private seek(position: number): void {
-    this.run?.pause();
-    this.run?.seek(position);
-  }
-
-  private toggle(): void {
-    if (this.run === null) return;
-    if (this.run.isPlaying) this.run.pause();
-    else this.run.play();
-    this.showPlay();
-  }
-
-  private showPlay(): void {
-    const playing = this.run?.isPlaying === true;
-    this.play.textContent = playing ? '❚❚ Pause' : '▶ Play';
-  }
-
-  private shortcut(event: KeyboardEvent): void {
-    if (this.run === null || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.code === 'Escape') this.context.go(this.source.back.place);
-    if (isTheirs(event)) return;
-    const step = event.shiftKey ? LONG_STEP : 1;
-    const act = {
-      Space: () => this.toggle(),
-      ArrowLeft: () => this.seek(this.run!.tick - step),
-      ArrowRight: () => this.seek(this.run!.tick + step),
-      Home: () => this.seek(0),
-      End: () => this.seek(Infinity),
-      Enter: () => this.context.go(this.source.back.place),
-    }[event.code];
-    if (act === undefined) return;
-    event.preventDefault();
-    if (!event.repeat || event.code.startsWith('Arrow')) act();
   }
 }

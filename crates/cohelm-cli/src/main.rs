@@ -3,10 +3,12 @@
 
 mod commands;
 mod live;
+mod numbers;
 mod output;
 mod rig;
+mod server_process;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Shared control of a person and a co-pilot: fly it, train it, reproduce the paper, replay every tick.
@@ -27,6 +29,9 @@ enum Command {
     Evaluate(commands::evaluate::Evaluate),
     /// Reproduce the paper's experiment with simulated pilots.
     Reproduce(commands::reproduce::Reproduce),
+    /// Check, try, run and report a study with people.
+    #[command(subcommand)]
+    Study(commands::study::Study),
     /// Run many small experiments: a grid of flights or trainings, here or on a Ray cluster.
     #[command(subcommand)]
     Sweep(commands::sweep::Sweep),
@@ -41,11 +46,14 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let matches = numbers::with_negative_numbers(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let outcome = match cli.command {
         Command::Fly(fly) => fly.run(),
         Command::Train(train) => train.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
+        Command::Study(study) => study.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Episodes(episodes) => episodes.run(),
         Command::Verify(verify) => verify.run(),

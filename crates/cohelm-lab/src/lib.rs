@@ -9,4 +9,5 @@ pub mod experiment;
 pub mod parallel;
 pub mod reproduce;
 pub mod results;
+pub mod study;
 pub mod sweep;

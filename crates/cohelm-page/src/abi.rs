@@ -18,6 +18,8 @@
 //! | [`cohelm_finish`] | | the trajectory |
 //! | [`cohelm_watch`] | a trajectory | JSON: [`Opening`](crate::report::Opening) |
 //! | [`cohelm_seek`] | | JSON: [`TickReport`](crate::report::TickReport); none at the beginning |
+//! | [`cohelm_branch`] | JSON: a [`Wish`](crate::branching::Wish) | JSON: [`Opening`](crate::report::Opening) at the branching tick |
+//! | [`cohelm_pilots`] | | JSON: a list of [`Hands`](crate::branching::Hands) |
 //! | [`cohelm_replay`] | a trajectory | JSON: [`ReplayReport`](crate::report::ReplayReport) |
 //! | [`cohelm_panic`] | | the message of the panic that stopped this instance, if one did |
 //!
@@ -138,6 +140,18 @@ pub extern "C" fn cohelm_watch() -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn cohelm_seek(ticks: u32) -> i32 {
     answer(|page, _| page.seek(ticks)?.map_or(Ok(Vec::new()), |report| json(&report)))
+}
+
+/// Flies the record that is watched on as the wish in the input says.
+#[unsafe(no_mangle)]
+pub extern "C" fn cohelm_branch() -> i32 {
+    answer(|page, input| json(&page.branch(input)?))
+}
+
+/// Who can take over the record that is watched.
+#[unsafe(no_mangle)]
+pub extern "C" fn cohelm_pilots() -> i32 {
+    answer(|page, _| json(&page.pilots()?))
 }
 
 /// Flies the record in the input again and compares.

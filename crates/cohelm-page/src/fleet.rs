@@ -1,11 +1,20 @@
-//! Which plants there are, and what flies an episode.
+//! Which plants there are, what flies an episode, and who can be asked to. The only place here that names a plant.
 
 use crate::page::PageError;
+use cohelm::action::ActionSpace;
 use cohelm::cockpit::Cockpit;
+use cohelm::human::Population;
+use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
 use cohelm::registry::Plants;
 use cohelm::trajectory::{MAX_SEED, Setup};
-use cohelm_copilot::{Models, cockpit};
+use cohelm::value::ValueModel;
+use cohelm_copilot::values::NetworkValues;
+use cohelm_copilot::{Models, Network, cockpit};
+use cohelm_lander::pilots::participant;
+
+/// The draw that the page's simulated people come from.
+const PEOPLE: u64 = 0x0064_6573_6b00;
 
 /// The plants that the page can fly.
 pub fn plants() -> Plants {
@@ -38,4 +47,24 @@ impl Crew {
         let median_range = values.and_then(|model| model.card().median_range);
         Ok(Self { plant, cockpit, median_range })
     }
+}
+
+/// Person number `person` of a population, at the keys of these actions; refused where no skill is known for them.
+pub fn people(space: &ActionSpace, population: Population, person: u64) -> Result<Box<dyn Pilot>, PageError> {
+    Ok(Box::new(participant(space, population, PEOPLE, person)?))
+}
+
+/// The values that a setup's cockpit has, for a pilot of its own; refused where it has none.
+pub fn values_of(setup: &Setup, plants: &Plants, models: &Models) -> Result<Box<dyn ValueModel>, PageError> {
+    let values = match &setup.values {
+        Some(hash) => trained(hash, models),
+        None => plants.entry(&setup.task)?.values.map(|make| make()),
+    };
+    values.ok_or_else(|| PageError::NoValues(setup.task.plant.clone()))
+}
+
+fn trained(hash: &str, models: &Models) -> Option<Box<dyn ValueModel>> {
+    let model = models.get(hash)?;
+    let Network::Values(network) = model.network() else { return None };
+    Some(Box::new(NetworkValues::new(model.card(), network.clone())?))
 }

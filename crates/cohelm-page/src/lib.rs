@@ -1,8 +1,8 @@
 //! The loop for WebAssembly: what the page calls to fly, and to watch what was flown.
 //!
 //! Physics and co-pilot run in the page, so that a key acts at the next tick whatever the network does. One instance
-//! of this module is one [`page::Page`]: it flies one flight or shows one record at a time; a page that wants both side
-//! by side instantiates it twice.
+//! of this module is one [`page::Page`]: it flies one flight, shows one record, or flies one on, at a time; a page that wants
+//! two of these side by side instantiates it twice.
 //!
 //! | module | what it explains |
 //! |---|---|
@@ -10,6 +10,7 @@
 //! | [`fleet`] | which plants there are, and what flies an episode |
 //! | [`report`] | what the page is told: the opening of an episode, and one report a tick |
 //! | [`viewing`] | a record that is watched |
+//! | [`branching`] | a record that is flown on from one of its ticks, under another rule or by another pilot |
 //! | [`abi`] | the same as C functions: numbers in and out, bytes through two buffers |
 //!
 //! This crate knows no clock (the page calls [`page::Page::tick`] when a tick is due), no keyboard (controls are
@@ -18,6 +19,7 @@
 //! file and demands that.
 
 pub mod abi;
+pub mod branching;
 pub mod fleet;
 pub mod page;
 pub mod report;

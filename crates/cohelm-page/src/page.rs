@@ -1,16 +1,19 @@
 //! Everything the page can ask for, as safe Rust.
 
+use crate::branching::{Branching, Hands, Means, Wish};
 use crate::fleet::{Crew, plants};
 use crate::report::{DigestReport, ModelReport, Opening, ReplayReport, TickReport};
 use crate::viewing::Viewing;
 use cohelm::action::{Action, ActionSpace};
+use cohelm::branch::BranchError;
 use cohelm::flight::{Flight, replay};
 use cohelm::keys::Change;
 use cohelm::registry::{PlantEntry, Plants, TaskError};
 use cohelm::trajectory::{MAX_SEED, Setup, Trajectory, TrajectoryError, put_event};
 use cohelm_copilot::{CockpitError, ModelError, Models};
+use cohelm_lander::pilots::PilotError;
 
-/// One page: it flies one flight, or shows one record, at a time.
+/// One page: it flies one flight, shows one record, or flies one on, at a time.
 ///
 /// ```
 /// use cohelm::keys::Change;
@@ -37,6 +40,7 @@ enum Showing {
     Nothing,
     Flight(Box<Flown>),
     Record(Box<Viewing>),
+    Branch(Box<Branching>),
 }
 
 struct Flown {
@@ -77,6 +81,18 @@ pub enum PageError {
     /// The time of a key event is no number.
     #[error("a key event's time must be a finite number of milliseconds, got {0}")]
     Time(f32),
+    /// A wish for a branch is not what it should be.
+    #[error("the wish for a what-if is wrong: {0}")]
+    Wish(serde_json::Error),
+    /// The record cannot be flown on as wished.
+    #[error(transparent)]
+    Branch(#[from] BranchError),
+    /// Nobody knows how to fly this by its keys.
+    #[error(transparent)]
+    Pilot(#[from] PilotError),
+    /// A pilot that follows values has none.
+    #[error("there are no values for {0:?} that a pilot could follow; name a model")]
+    NoValues(String),
     /// An answer could not be written as JSON.
     #[error("the answer has no JSON form: {0}")]
     Answer(serde_json::Error),
@@ -131,8 +147,11 @@ impl Page {
         Ok(())
     }
 
-    /// Flies one tick; `None` once the episode has ended.
+    /// Flies one tick, of a flight or of a branch; `None` once the episode has ended.
     pub fn tick(&mut self) -> Result<Option<TickReport>, PageError> {
+        if let Showing::Branch(branching) = &mut self.showing {
+            return Ok(branching.tick());
+        }
         let Flown { flight, space, median_range } = self.flown()?;
         let rule = flight.setup().rule;
         let report = flight.tick().map(|tick| TickReport::of(&tick, space, &rule, *median_range));
@@ -147,8 +166,12 @@ impl Page {
         Ok(bytes)
     }
 
-    /// Digests of all bits so far.
+    /// Digests of all bits so far, of a flight or of a branch.
     pub fn digests(&self) -> Result<DigestReport, PageError> {
+        if let Showing::Branch(branching) = &self.showing {
+            let branch = branching.branch();
+            return Ok(DigestReport::of(branch.ticks(), branch.digests()));
+        }
         let flight = self.flight()?;
         Ok(DigestReport::of(flight.ticks(), flight.digests()))
     }
@@ -182,6 +205,21 @@ impl Page {
         }
     }
 
+    /// Flies the record that is watched on from one of its ticks as a [`Wish`] in JSON says, in place of showing it; the
+    /// branch is flown by [`tick`](Self::tick), and may be left for another one. What is shown stays if that cannot be.
+    pub fn branch(&mut self, wish: &[u8]) -> Result<Opening, PageError> {
+        let wish: Wish = serde_json::from_slice(wish).map_err(PageError::Wish)?;
+        let branching = Branching::new(self.record()?, &wish, self.means())?;
+        let opening = branching.opening();
+        self.showing = Showing::Branch(Box::new(branching));
+        Ok(opening)
+    }
+
+    /// Who can take over the record that is watched.
+    pub fn pilots(&self) -> Result<Vec<Hands>, PageError> {
+        self.means().pilots(&self.record()?.setup)
+    }
+
     /// Flies a record again as fast as possible and compares every bit. What is shown stays.
     pub fn replay(&self, trajectory: &[u8]) -> Result<ReplayReport, PageError> {
         let (trajectory, Crew { mut plant, mut cockpit, .. }) = self.crew_of(trajectory)?;
@@ -197,6 +235,18 @@ impl Page {
         match actions.find(|action| !space.contains(**action)) {
             Some(&foreign) => Err(PageError::Action { action: foreign, plant: trajectory.setup.task.plant }),
             None => Ok((trajectory, crew)),
+        }
+    }
+
+    fn means(&self) -> Means<'_> {
+        Means { plants: &self.plants, models: &self.models }
+    }
+
+    fn record(&self) -> Result<&Trajectory, PageError> {
+        match &self.showing {
+            Showing::Record(viewing) => Ok(viewing.trajectory()),
+            Showing::Branch(branching) => Ok(branching.record()),
+            _ => Err(PageError::NoRecord),
         }
     }
 

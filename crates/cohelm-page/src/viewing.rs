@@ -24,6 +24,11 @@ impl Viewing {
         viewing
     }
 
+    /// The record.
+    pub fn trajectory(&self) -> &Trajectory {
+        &self.trajectory
+    }
+
     /// What to know before the first tick. Right only at the beginning.
     pub fn opening(&self) -> Opening {
         let ticks = self.trajectory.ticks() as u32;

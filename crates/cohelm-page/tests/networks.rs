@@ -5,11 +5,13 @@ mod random_models;
 
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
+use cohelm::human::Population;
 use cohelm::intent::Inference;
 use cohelm::keys::Change;
 use cohelm::registry::Task;
 use cohelm::trajectory::Setup;
 use cohelm_copilot::{Kind, Model};
+use cohelm_page::branching::Hands;
 use cohelm_page::fleet::plants;
 use cohelm_page::page::Page;
 use cohelm_page::report::TickReport;
@@ -128,4 +130,66 @@ proptest! {
             }
         }
     }
+}
+
+/// The lander's flight under a rule, watched, and what was reported while it was flown.
+fn watched(rule: Rule, inference: Inference, ticks: u32) -> (Page, Vec<TickReport>) {
+    let mut page = with_models();
+    let reports = flown(&mut page, &setup(rule, inference), ticks);
+    let record = page.finish().unwrap();
+    page.watch(&record).unwrap();
+    (page, reports)
+}
+
+fn branched(page: &mut Page, at: u32, rule: Rule, inference: Inference, pilot: Hands) -> Vec<TickReport> {
+    let wish = serde_json::json!({
+        "at": at, "rule": rule, "inference": inference, "pilot": pilot,
+        "values": MODELS[0].hash(), "intent": MODELS[1].hash(),
+    });
+    page.branch(&serde_json::to_vec(&wish).unwrap()).unwrap();
+    std::iter::from_fn(|| page.tick().unwrap()).collect()
+}
+
+#[test]
+fn a_branch_of_the_same_networks_is_the_record_bit_for_bit() {
+    let (rule, inference) = (Rule::Misc, Inference::Calibrated);
+    let (mut page, reports) = watched(rule, inference, 120);
+    let rest = branched(&mut page, 47, rule, inference, Hands::Recorded);
+    assert!(rest.len() >= reports.len() - 47);
+    for (branched, flown) in rest.iter().zip(&reports[47..]) {
+        assert_eq!(serde_json::to_string(branched).unwrap(), serde_json::to_string(flown).unwrap());
+    }
+}
+
+#[test]
+fn human_alone_lets_recorded_keys_through_and_another_head_sees_what_came_before() {
+    let (mut page, reports) = watched(Rule::Misc, Inference::Calibrated, 120);
+    let rest = branched(&mut page, 47, Rule::Hic, Inference::Calibrated, Hands::Recorded);
+    assert!(rest.iter().all(|tick| tick.executed == tick.asked));
+    assert_eq!(rest[0].belief, reports[47].belief, "the intent was inferred from all 47 ticks before");
+}
+
+#[test]
+fn who_takes_over_the_lander_lets_the_held_switch_go_first() {
+    let (mut page, reports) = watched(Rule::Hic, Inference::Calibrated, 60);
+    let held = reports[29].asked.clone().unwrap();
+    assert_eq!(held.command, Some(2), "switch 1 is held on");
+    let rest = branched(&mut page, 30, Rule::Hic, Inference::Calibrated, Hands::Nobody);
+    assert_eq!(rest[0].executed.as_ref().and_then(|action| action.command), Some(3), "and is turned off");
+    assert!(rest[1..].iter().all(|tick| tick.asked.is_none()));
+}
+
+#[test]
+fn a_simulated_person_takes_over_after_a_reaction_time_and_the_same_one_does_the_same() {
+    let (mut page, _) = watched(Rule::Hic, Inference::Calibrated, 60);
+    assert_eq!(page.pilots().unwrap(), Hands::all());
+    let person = |population| Hands::Person { population, person: 0 };
+    let mut asked = |hands| -> Vec<_> {
+        let rest = branched(&mut page, 30, Rule::Hic, Inference::Calibrated, hands);
+        rest.into_iter().map(|tick| tick.asked).collect()
+    };
+    let first = asked(person(Population::Ordinary));
+    assert!(first[1..8].iter().all(Option::is_none) && first.iter().flatten().count() > 3);
+    assert_eq!(asked(person(Population::Ordinary)), first);
+    assert_ne!(asked(person(Population::Slow)), first);
 }

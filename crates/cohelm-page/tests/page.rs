@@ -8,6 +8,7 @@ use cohelm::keys::Change;
 use cohelm::registry::Task;
 use cohelm::trajectory::{Setup, Trajectory, read_events};
 use cohelm_copilot::Models;
+use cohelm_page::branching::Hands;
 use cohelm_page::fleet::{Crew, plants};
 use cohelm_page::page::{Page, PageError};
 use cohelm_page::report::TickReport;
@@ -190,4 +191,83 @@ proptest! {
         let _ = page.begin(&setup);
         prop_assert!(page.begin(&bytes(&self::setup(Rule::Hic))).is_ok());
     }
+}
+
+/// A wish that a record be flown on under a rule, with these hands (JSON).
+fn wish(at: u32, rule: Rule, pilot: serde_json::Value) -> Vec<u8> {
+    let wish = serde_json::json!({
+        "at": at, "rule": rule, "inference": "known", "values": null, "intent": null, "pilot": pilot,
+    });
+    serde_json::to_vec(&wish).unwrap()
+}
+
+fn recorded() -> serde_json::Value {
+    serde_json::json!({ "pilot": "recorded" })
+}
+
+/// A page that watches the flight of [`KEYS`] under a rule, and the record.
+fn watching(rule: Rule) -> (Page, Vec<u8>) {
+    let (record, _) = flown(&setup(rule));
+    let mut page = Page::new();
+    page.watch(&record).unwrap();
+    (page, record)
+}
+
+#[test]
+fn a_branch_under_the_recorded_rule_is_the_record() {
+    let (record, reports) = flown(&setup(Rule::Misc));
+    let mut page = Page::new();
+    page.watch(&record).unwrap();
+    page.seek(70).unwrap();
+    let opening = page.branch(&wish(30, Rule::Misc, recorded())).unwrap();
+    assert_eq!(opening.poses, reports[29].poses);
+    for flown in &reports[30..] {
+        let branched = page.tick().unwrap().unwrap();
+        assert_eq!(serde_json::to_string(&branched).unwrap(), serde_json::to_string(flown).unwrap());
+    }
+    let Trajectory { digests, .. } = Trajectory::from_bytes(&record).unwrap();
+    let branched = page.digests().unwrap();
+    assert_eq!((branched.ticks, branched.plant), (100, format!("{:016x}", digests.plant)));
+    assert_eq!(branched.decisions, format!("{:016x}", digests.decisions));
+}
+
+#[test]
+fn a_branch_can_be_left_for_another_and_shows_its_own_rule() {
+    let (mut page, _) = watching(Rule::Misc);
+    page.branch(&wish(30, Rule::Robot, recorded())).unwrap();
+    page.tick().unwrap();
+    let opening = page.branch(&wish(10, Rule::Hic, recorded())).unwrap();
+    assert_eq!(opening.setup.rule, Rule::Hic);
+    let tick = page.tick().unwrap().unwrap();
+    assert_eq!((tick.tick, tick.executed == tick.asked, tick.threshold), (10, true, None));
+}
+
+#[test]
+fn whom_nobody_taught_the_keys_is_not_offered_and_is_refused() {
+    let (mut page, _) = watching(Rule::Misc);
+    assert_eq!(page.pilots().unwrap(), [Hands::Recorded, Hands::Nobody, Hands::Greedy]);
+    let person = serde_json::json!({ "pilot": "person", "population": "ordinary", "person": 0 });
+    let error = page.branch(&wish(30, Rule::Misc, person)).unwrap_err().to_string();
+    assert!(error.contains("there is none for"), "{error}");
+    assert!(page.seek(40).unwrap().is_some(), "the record is still watched");
+}
+
+#[test]
+fn who_follows_the_values_gets_there_alone() {
+    let (mut page, _) = watching(Rule::Hic);
+    page.branch(&wish(30, Rule::Hic, serde_json::json!({ "pilot": "greedy" }))).unwrap();
+    let last = std::iter::from_fn(|| page.tick().unwrap()).last().unwrap();
+    assert_eq!(last.ending, Some(cohelm::plant::Ending::Goal));
+}
+
+#[test]
+fn a_wish_that_cannot_be_met_says_why() {
+    let refused = |wish: &[u8]| watching(Rule::Misc).0.branch(wish).unwrap_err().to_string();
+    assert!(refused(&wish(101, Rule::Hic, recorded())).contains("has 100 ticks"));
+    assert!(refused(&wish(9, Rule::Tolerance { alpha: 7.0 }, recorded())).contains("7"));
+    assert!(refused(b"{}").contains("missing field"));
+    let other = serde_json::json!({ "pilot": "autopilot" });
+    assert!(refused(&wish(9, Rule::Hic, other)).contains("autopilot"));
+    assert!(matches!(Page::new().branch(&wish(9, Rule::Hic, recorded())), Err(PageError::NoRecord)));
+    assert!(matches!(begun(&setup(Rule::Hic)).pilots(), Err(PageError::NoRecord)));
 }

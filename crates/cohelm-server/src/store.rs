@@ -4,18 +4,30 @@
 //! for a whole batch; the [`Writer`] gathers what many sockets write into few of them.
 
 mod archive;
+mod backup;
+mod batch;
 #[cfg(test)]
 mod conformance;
+mod copy;
+mod driver;
 mod error;
+mod open;
+mod postgres;
 mod queries;
 mod record;
+mod rows;
+mod sql;
 mod sqlite;
+mod study;
 mod writer;
 
 pub use archive::Archive;
 pub use error::StoreError;
+pub use open::{open, open_existing, restore};
+pub use postgres::PostgresStore;
 pub use record::{Record, unpack};
 pub use sqlite::SqliteStore;
+pub use study::{Participant, ParticipantId, StoredEvent, StoredStudy, Studies, TokenHash, Trial};
 pub use writer::{COMMIT_EVERY, Writer};
 
 use async_trait::async_trait;
@@ -24,6 +36,7 @@ use cohelm::trajectory::{Digests, Setup};
 use cohelm_copilot::Model;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::path::Path;
 
 /// Number of an episode in its database: counts up from 1, never given twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -147,6 +160,84 @@ pub enum Write {
     },
     /// An episode that never flew a tick goes.
     Forget(EpisodeId),
+    /// Like [`Begin`](Self::Begin), as part of a study.
+    BeginTrial {
+        /// What the page calls it.
+        key: FlightKey,
+        /// What fixes it.
+        setup: Setup,
+        /// When it began, milliseconds since 1970.
+        at_ms: i64,
+        /// Who flies, and which step of the session.
+        trial: Trial,
+    },
+    /// Keeps a study's file under its hash; one that is there already stays as it is.
+    Study {
+        /// SHA-256 of the file, 64 hexadecimal digits.
+        hash: String,
+        /// The study's name.
+        name: String,
+        /// The file.
+        text: String,
+        /// Now, milliseconds since 1970.
+        at_ms: i64,
+    },
+    /// A new participant. Its study must be stored.
+    Participant {
+        /// Its number, from [`Studies::free_participant_id`].
+        id: ParticipantId,
+        /// Hash of the study's file.
+        study: String,
+        /// What people call it; no other participant of the database may have the same.
+        code: String,
+        /// Of the secret in its link.
+        token: TokenHash,
+        /// Now, milliseconds since 1970.
+        at_ms: i64,
+    },
+    /// A participant gets a new link, which voids the old one; or none.
+    Link {
+        /// Whose.
+        participant: ParticipantId,
+        /// Of the secret in the new link.
+        token: Option<TokenHash>,
+    },
+    /// A participant's page was heard of.
+    Seen {
+        /// Whose.
+        participant: ParticipantId,
+        /// Now, milliseconds since 1970.
+        at_ms: i64,
+    },
+    /// Something happened to a participant.
+    Event {
+        /// To whom.
+        participant: ParticipantId,
+        /// The place in the log that it is meant for: one after the newest event that the writer knew. Fails with
+        /// [`StoreError::OutOfStep`] if another came first.
+        expected_seq: u32,
+        /// What, as JSON.
+        event_json: String,
+        /// Now, milliseconds since 1970.
+        at_ms: i64,
+    },
+    /// A participant withdraws: episodes, records, pieces of key logs, events and the link go, their bytes are
+    /// overwritten, and number, code and this time stay.
+    Withdraw {
+        /// Who.
+        participant: ParticipantId,
+        /// What the log says from then on, as JSON, numbered from 1; it may hold nothing of the person.
+        left: Vec<String>,
+        /// Now, milliseconds since 1970.
+        at_ms: i64,
+    },
+    /// Remembers a value under a name, in place of what was there.
+    Setting {
+        /// The name.
+        name: String,
+        /// The value.
+        value: String,
+    },
 }
 
 /// How far an episode is.
@@ -203,6 +294,9 @@ pub struct Episode {
     pub started_at_ms: i64,
     /// When it ended, milliseconds since 1970.
     pub ended_at_ms: Option<i64>,
+    /// Which part of a study it is; `None` outside of studies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trial: Option<Trial>,
 }
 
 /// A model as lists show it.
@@ -242,12 +336,16 @@ impl Page {
     }
 }
 
-/// A database of episodes and models. Nine methods, since a list, a row and a blob are three things of each noun; all
-/// but one only read.
+/// A database of episodes and models, and through [`Studies`] of studies. Many methods, since a list, a row and a blob are
+/// three things of each noun; one writes, the others only read.
 #[async_trait]
-pub trait Store: Send + Sync {
+pub trait Store: Studies {
     /// Carries out all changes, in order, in one transaction: all of them or, on an error, none. Once it returns they
-    /// survive the loss of power. Gives for each change the episode it made ([`Write::Begin`], [`Write::Episode`]).
+    /// survive the loss of power. Gives for each change the episode it made ([`Write::Begin`], [`Write::BeginTrial`],
+    /// [`Write::Episode`]).
+    ///
+    /// After [`StoreError::Gone`] the changes may have been carried out or not: the server was lost before it answered.
+    /// Whoever goes on reads first.
     async fn commit(&self, writes: &[Write]) -> Result<Vec<Option<EpisodeId>>, StoreError>;
 
     /// A part of the list of episodes, newest first.
@@ -273,6 +371,13 @@ pub trait Store: Send + Sync {
 
     /// Fails if the database cannot be read.
     async fn check(&self) -> Result<(), StoreError>;
+
+    /// Writes everything that is stored into a new SQLite file, while others go on reading and writing: the state of one
+    /// moment, whatever kind of database this is. A file that is there already is left as it is.
+    async fn backup(&self, to: &Path) -> Result<(), StoreError>;
+
+    /// Closes all connections; what is not in the main file of a SQLite database yet goes there.
+    async fn close(&self);
 }
 
 /// Milliseconds since 1970 by this machine's clock.

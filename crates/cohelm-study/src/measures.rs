@@ -66,14 +66,16 @@ impl Range {
 }
 
 /// The definition of one measure.
+///
+/// Those of episodes are fixed and listed here; the scores of a questionnaire come with a study's design.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Measure {
+pub struct Measure<'a> {
     /// Column name.
-    pub key: &'static str,
+    pub key: &'a str,
     /// Name in tables and figures, in lower case, as it stands within a sentence.
-    pub name: &'static str,
+    pub name: &'a str,
     /// What is counted, exactly.
-    pub meaning: &'static str,
+    pub meaning: &'a str,
     /// In what it counts.
     pub unit: Unit,
     /// Which values it can take.
@@ -84,7 +86,7 @@ pub struct Measure {
     pub decimals: usize,
 }
 
-impl Measure {
+impl Measure<'_> {
     /// A value or mean as tables and sentences print it: `85.5 %`, `238.2`.
     pub fn write(&self, value: f64) -> String {
         if self.unit == Unit::Share { percent(value, self.decimals) } else { number(value, self.decimals) }
@@ -116,7 +118,7 @@ impl Measure {
 pub const ENDINGS: [&str; 6] = ["goal", "elsewhere", "crash", "out-of-bounds", "time-limit", "abandoned"];
 
 /// The measures of one episode, in the order of the columns.
-pub const OF_AN_EPISODE: [Measure; 14] = [
+pub const OF_AN_EPISODE: [Measure<'static>; 14] = [
     Measure {
         key: "ending",
         name: "ending",
@@ -252,7 +254,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
 ];
 
 /// The measures of a participant in a condition that are no plain mean of an episode's measure.
-pub const OF_A_PARTICIPANT: [Measure; 6] = [
+pub const OF_A_PARTICIPANT: [Measure<'static>; 6] = [
     Measure {
         key: "success",
         name: "success rate",
@@ -310,13 +312,135 @@ pub const OF_A_PARTICIPANT: [Measure; 6] = [
     },
 ];
 
+/// Ticks within which a new request counts as an answer to what the co-pilot did: half a second at 50 Hz, the time that
+/// people need to see a change and to act on it, with some to spare.
+pub const ANSWER_TICKS: u32 = 25;
+
+/// Equal parts into which a flight is cut for authority over time.
+pub const PARTS: usize = 20;
+
+/// Equal classes of the confidence for its calibration.
+pub const CLASSES: usize = 10;
+
+/// What is measured of an episode in a study besides [`OF_AN_EPISODE`].
+pub const OF_A_FLIGHT: [Measure<'static>; 9] = [
+    Measure {
+        key: "seconds",
+        name: "seconds of flight",
+        meaning: "Simulated seconds from the start to the ending: steps divided by the plant’s ticks a second. At a time scale \
+                  below 1 the pilot’s clock showed more.",
+        unit: Unit::Count("seconds"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "authority",
+        name: "pilot’s authority",
+        meaning: "Share of the ticks with a command after which the plant was set as the asked command would have set it: one \
+                  minus interventions. Over the flight: the same within each of 20 equal parts of it.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "the pilot asked for nothing",
+        decimals: 1,
+    },
+    Measure {
+        key: "reversals",
+        name: "reversals",
+        meaning: "Times the pilot went against the co-pilot: a request differs from that of the tick before, and is the opposite \
+                  (as in opposed commands) of what the co-pilot carried out of its own accord within the last 25 ticks. Of its own accord: \
+                  nothing was asked, or what was asked was replaced in effect. The release of a switch’s key asks for its off.",
+        unit: Unit::Count("times"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "repeats",
+        name: "repeats",
+        meaning: "Times the pilot insisted: a request differs from that of the tick before, and is the same as one that was replaced \
+                  in effect within the last 25 ticks.",
+        unit: Unit::Count("times"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 1,
+    },
+    Measure {
+        key: "wrong_interventions",
+        name: "wrong interventions",
+        meaning: "Share of the ticks with a command that was replaced in effect while the inferred goal was not the pilot’s own.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "the pilot asked for nothing",
+        decimals: 1,
+    },
+    Measure {
+        key: "time_to_correct",
+        name: "time to correct",
+        meaning: "Mean time, in simulated seconds, from the first tick of a wrong intervention to the first later tick at which the \
+                  inferred goal was the pilot’s own or a command of the pilot took effect as asked. Wrong interventions that the ending \
+                  cut short are left out and counted as uncorrected.",
+        unit: Unit::Count("seconds"),
+        range: Range::NotNegative,
+        missing_when: "no wrong intervention was corrected",
+        decimals: 2,
+    },
+    Measure {
+        key: "uncorrected",
+        name: "uncorrected wrong interventions",
+        meaning: "Wrong interventions that had not been corrected when the episode ended: 0 or 1.",
+        unit: Unit::Count("times"),
+        range: Range::NotNegative,
+        missing_when: "",
+        decimals: 2,
+    },
+    Measure {
+        key: "brier",
+        name: "Brier score of the confidence",
+        meaning: "Mean over the ticks of (c − 1)² where the inferred goal was the pilot’s own, and of c² where it was not: 0 is best, \
+                  and always saying ½ gives 0.25. The confidence is taken for the probability of being right, which that of Eq. 1 does \
+                  not claim to be.",
+        unit: Unit::Number,
+        range: Range::Unit,
+        missing_when: "the episode had no tick",
+        decimals: 3,
+    },
+    Measure {
+        key: "confidence_when_wrong",
+        name: "confidence when wrong",
+        meaning: "Mean of c over the ticks at which the inferred goal was not the pilot’s own.",
+        unit: Unit::Number,
+        range: Range::Unit,
+        missing_when: "the inferred goal was right at every tick",
+        decimals: 2,
+    },
+];
+
+/// The measures of a participant in a condition that need all ticks of it together.
+pub const OF_ALL_TICKS: [Measure<'static>; 1] = [Measure {
+    key: "calibration_error",
+    name: "calibration error",
+    meaning: "Expected calibration error over all ticks of a participant in a condition: the ticks are put into ten equal classes of \
+              the confidence c; the mean over the classes, weighted by their ticks, of the distance between mean c and the share of \
+              ticks at which the inferred goal was the pilot’s own.",
+    unit: Unit::Number,
+    range: Range::Unit,
+    missing_when: "no episode had a tick",
+    decimals: 3,
+}];
+
+/// Every measure there is, in the order of the columns: rates, then what an episode has, then what only studies measure.
+pub fn all() -> impl Iterator<Item = &'static Measure<'static>> {
+    OF_A_PARTICIPANT.iter().chain(&OF_AN_EPISODE).chain(&OF_A_FLIGHT).chain(&OF_ALL_TICKS)
+}
+
 /// The definition under a key, of an episode or of a participant.
-pub fn measure(key: &str) -> Option<&'static Measure> {
-    OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT).find(|measure| measure.key == key)
+pub fn measure(key: &str) -> Option<&'static Measure<'static>> {
+    all().find(|measure| measure.key == key)
 }
 
 /// A data dictionary: what every column means, in what unit, of which type and range, and when it is empty.
-pub fn dictionary(measures: &[Measure]) -> Csv {
+pub fn dictionary(measures: &[Measure<'_>]) -> Csv {
     let mut csv = Csv::new(["column", "meaning", "unit", "range", "empty_when"]);
     for measure in measures {
         csv.push([
@@ -331,7 +455,7 @@ pub fn dictionary(measures: &[Measure]) -> Csv {
 }
 
 /// The definition as a report prints it.
-pub fn definition(measure: &Measure) -> Text {
+pub fn definition(measure: &Measure<'_>) -> Text {
     let missing = match measure.missing_when {
         "" => String::new(),
         when => format!(" No value when {when}."),
@@ -347,7 +471,7 @@ mod tests {
 
     #[test]
     fn keys_are_unique_and_are_column_names() {
-        let keys: Vec<&str> = OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT).map(|m| m.key).collect();
+        let keys: Vec<&str> = all().map(|m| m.key).collect();
         for (i, key) in keys.iter().enumerate() {
             assert!(!keys[..i].contains(key), "{key} twice");
             assert!(key.bytes().all(|b| b.is_ascii_lowercase() || b == b'_'), "{key}");
@@ -356,14 +480,9 @@ mod tests {
 
     #[test]
     fn definitions_are_sentences_and_ranges_fit_units() {
-        for m in OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT) {
+        for m in all() {
             assert!(m.meaning.ends_with('.') && m.meaning.starts_with(char::is_uppercase), "{}", m.key);
-            assert_eq!(
-                m.unit == Unit::Share,
-                m.range == Range::Unit && m.key != "mean_confidence",
-                "{}",
-                m.key
-            );
+            assert_eq!(m.unit == Unit::Share, m.range == Range::Unit && m.unit != Unit::Number, "{}", m.key);
             assert!(!definition(m).to_string().contains("  "), "{}", m.key);
         }
     }

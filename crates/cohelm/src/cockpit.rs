@@ -83,6 +83,12 @@ impl Cockpit {
         self.intent.begin();
     }
 
+    /// Sees a tick that another cockpit flies: it infers the intent from what is asked there, and decides nothing. Who has
+    /// looked on from the beginning of an episode knows at any later tick what it would have known.
+    pub fn look_on(&mut self, plant: &dyn Plant, asked: Option<Action>) {
+        self.intent.infer(&plant.view(), asked);
+    }
+
     /// One tick: the pilot asks; the co-pilot infers the intent and estimates values for it; arbitration decides; the
     /// plant moves.
     pub fn tick(&mut self, plant: &mut dyn Plant, pilot: &mut dyn Pilot) -> Tick<'_> {

@@ -282,4 +282,8 @@ impl Pilot for HumanPilot {
     fn key_presses(&self) -> u32 {
         self.fingers.presses()
     }
+
+    fn keys_down(&self) -> Option<u64> {
+        Some(self.fingers.keys_down())
+    }
 }

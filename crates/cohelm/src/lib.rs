@@ -17,6 +17,7 @@
 //! | [`cockpit`] | the five together: one [`cockpit::Cockpit::tick`] |
 //! | [`flight`] | an episode flown by keys, as the page flies it and the server follows it |
 //! | [`trajectory`] | the record of an episode, its bytes and its digest |
+//! | [`branch`] | what if: a recorded episode, flown on under another cockpit |
 //! | [`scene`] | what a plant looks like, for whoever draws it |
 //! | [`registry`] | plants by name |
 //! | [`random`] | draws from a seed |
@@ -28,6 +29,7 @@
 
 pub mod action;
 pub mod arbitration;
+pub mod branch;
 pub mod cockpit;
 pub mod flight;
 pub mod human;

@@ -15,6 +15,12 @@ pub trait Pilot: Send {
     fn key_presses(&self) -> u32 {
         0
     }
+
+    /// The controls that are held down since what was asked last, one bit each; `None` for a pilot without keys, whose
+    /// requests no key log could give.
+    fn keys_down(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// Never asks for anything.
@@ -26,6 +32,10 @@ impl Pilot for Silent {
 
     fn ask(&mut self, _view: &View<'_>, _goal: usize) -> Option<Action> {
         None
+    }
+
+    fn keys_down(&self) -> Option<u64> {
+        Some(0)
     }
 }
 

@@ -39,8 +39,10 @@ impl Archive {
         opening: impl Future<Output = Result<SqliteStore, StoreError>>,
     ) -> Result<Self, StoreError> {
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
-        let runtime =
-            runtime.map_err(|error| StoreError::Other { path: path.into(), reason: error.to_string() })?;
+        let runtime = runtime.map_err(|error| StoreError::Other {
+            database: path.display().to_string(),
+            reason: error.to_string(),
+        })?;
         let store = Arc::new(runtime.block_on(opening)?);
         Ok(Self { store, runtime })
     }

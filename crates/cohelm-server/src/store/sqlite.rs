@@ -1,24 +1,29 @@
-//! Episodes and models in one SQLite file: WAL, every commit on the disk before it is acknowledged.
+//! Everything in one SQLite file: WAL, every commit on the disk before it is acknowledged.
 
 mod door;
-mod rows;
 #[cfg(test)]
 mod tests;
 
-use super::{
-    Chunk, Episode, EpisodeId, FlightKey, Page, Record, Store, StoreError, StoredModel, Write, queries,
-};
+use super::driver::{Cell, Driver, Numbering, Row, Transaction, Value};
+use super::sql::SqlStore;
+use super::{Store, StoreError};
 use async_trait::async_trait;
-use cohelm::plant::Ending;
-use cohelm::trajectory::{FORMAT_VERSION, Setup};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
-use sqlx::sqlite::{Sqlite, SqlitePool};
-use sqlx::{SqlSafeStr, Transaction};
+use sqlx::query::Query;
+use sqlx::sqlite::{Sqlite, SqliteArguments, SqlitePool, SqliteRow};
+use sqlx::{Row as _, SqlSafeStr, TypeInfo, ValueRef};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// A database in one file (and, while it is open, its `-wal` and `-shm` beside it).
+pub type SqliteStore = SqlStore<SqliteDriver>;
+
+/// How long overwriting what was deleted waits for readers.
+const SCRUB_PATIENCE: Duration = Duration::from_millis(300);
+
+/// The connections to it.
 #[derive(Clone, Debug)]
-pub struct SqliteStore {
+pub struct SqliteDriver {
     pool: SqlitePool,
     path: PathBuf,
 }
@@ -27,23 +32,47 @@ impl SqliteStore {
     /// Opens the database in this file; makes it, and its folder, if there is none.
     pub async fn open(path: &Path) -> Result<Self, StoreError> {
         door::make_folder(path)?;
-        Self::connect(path).await
+        SqliteDriver::connect(path).await.map(Self::new)
     }
 
     /// Opens the database in this file; an error if there is none.
     pub async fn open_existing(path: &Path) -> Result<Self, StoreError> {
         if !path.exists() {
-            return Err(StoreError::Missing { path: path.into() });
+            return Err(StoreError::Missing { database: path.display().to_string() });
         }
-        Self::connect(path).await
+        SqliteDriver::connect(path).await.map(Self::new)
     }
 
+    /// Closes all connections; what is in the `-wal` file goes into the database.
+    pub async fn close(&self) {
+        Store::close(self).await;
+    }
+}
+
+/// What tests do behind the store's back.
+#[cfg(test)]
+impl SqliteStore {
+    /// Keeps everybody else from writing until it is dropped.
+    pub(crate) async fn lock_for_writing(&self) -> sqlx::Transaction<'static, Sqlite> {
+        self.driver.pool.begin_with("BEGIN IMMEDIATE").await.expect("nobody else writes")
+    }
+
+    /// What no method does: forgets models that episodes name.
+    pub(crate) async fn lose_models(&self) {
+        let mut connection = self.driver.pool.acquire().await.expect("a connection");
+        for sql in ["PRAGMA foreign_keys = OFF", "DELETE FROM models", "PRAGMA foreign_keys = ON"] {
+            sqlx::query(sql).execute(&mut *connection).await.expect("it is carried out");
+        }
+    }
+}
+
+impl SqliteDriver {
     async fn connect(path: &Path) -> Result<Self, StoreError> {
         door::refuse_what_is_not_ours(path).await?;
         let pool = door::connect(path).await?;
-        let store = Self { pool, path: path.into() };
-        store.migrate().await?;
-        Ok(store)
+        let driver = Self { pool, path: path.into() };
+        driver.migrate().await?;
+        Ok(driver)
     }
 
     /// Brings the schema up to date. A migration that was released is never changed, only followed by another.
@@ -54,24 +83,13 @@ impl SqliteStore {
         migrated.map_err(|error| door::migration_error(&self.path, known, error))
     }
 
-    /// Closes all connections; what is in the `-wal` file goes into the database.
-    pub async fn close(&self) {
-        self.pool.close().await;
+    async fn begin_with(&self, statement: &'static str) -> Result<Box<dyn Transaction>, StoreError> {
+        let transaction = self.pool.begin_with(statement).await.map_err(self.wrong())?;
+        Ok(Box::new(SqliteTransaction { transaction, path: self.path.clone() }))
     }
 
-    /// Keeps everybody else from writing until it is dropped.
-    #[cfg(test)]
-    pub(crate) async fn lock_for_writing(&self) -> Transaction<'static, Sqlite> {
-        self.pool.begin_with("BEGIN IMMEDIATE").await.expect("nobody else writes")
-    }
-
-    /// What no method does: forgets models that episodes name.
-    #[cfg(test)]
-    pub(crate) async fn lose_models(&self) {
-        let mut connection = self.pool.acquire().await.expect("a connection");
-        for sql in ["PRAGMA foreign_keys = OFF", "DELETE FROM models", "PRAGMA foreign_keys = ON"] {
-            sqlx::query(sql).execute(&mut *connection).await.expect("it is carried out");
-        }
+    fn locked(&self) -> StoreError {
+        StoreError::Locked { database: self.path.display().to_string(), waited_s: door::PATIENCE.as_secs() }
     }
 
     fn wrong(&self) -> impl Fn(sqlx::Error) -> StoreError + '_ {
@@ -83,189 +101,110 @@ fn migrations() -> Vec<Migration> {
     let migration = |version, name: &'static str, sql: &'static str| {
         Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
     };
-    vec![migration(1, "episodes", include_str!("../../migrations/sqlite/0001_episodes.sql"))]
+    vec![
+        migration(1, "episodes", include_str!("../../migrations/sqlite/0001_episodes.sql")),
+        migration(2, "studies", include_str!("../../migrations/sqlite/0002_studies.sql")),
+    ]
 }
 
 #[async_trait]
-impl Store for SqliteStore {
-    async fn commit(&self, writes: &[Write]) -> Result<Vec<Option<EpisodeId>>, StoreError> {
-        if writes.is_empty() {
-            return Ok(Vec::new());
-        }
+impl Driver for SqliteDriver {
+    async fn read(&self, sql: &'static str, values: &[Value<'_>]) -> Result<Vec<Row>, StoreError> {
+        let rows = bound(sql, values).fetch_all(&self.pool).await.map_err(self.wrong())?;
+        rows.iter().map(row).collect::<Result<_, _>>().map_err(self.wrong())
+    }
+
+    async fn begin(&self) -> Result<Box<dyn Transaction>, StoreError> {
         // Immediate: the lock is taken before anything is read, so that two programs cannot deadlock.
-        let transaction = self.pool.begin_with("BEGIN IMMEDIATE").await.map_err(self.wrong())?;
-        let mut batch = Batch { transaction, path: &self.path };
-        let mut made = Vec::with_capacity(writes.len());
-        for write in writes {
-            made.push(batch.carry_out(write).await?);
+        self.begin_with("BEGIN IMMEDIATE").await
+    }
+
+    async fn snapshot(&self) -> Result<Box<dyn Transaction>, StoreError> {
+        self.begin_with("BEGIN").await
+    }
+
+    async fn scrub(&self) -> Result<(), StoreError> {
+        // `secure_delete` wrote zeros over it; what it was is still in the -wal file, until that is emptied.
+        // Readers of an earlier moment keep it from being emptied. They are not waited for long, since nobody writes
+        // meanwhile, and it is tried again later.
+        let mut connection = self.pool.acquire().await.map_err(self.wrong())?;
+        door::wait_for_others(&mut connection, SCRUB_PATIENCE).await.map_err(self.wrong())?;
+        let emptied = sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").fetch_one(&mut *connection).await;
+        door::wait_for_others(&mut connection, door::PATIENCE).await.map_err(self.wrong())?;
+        match emptied.and_then(|row| row.try_get::<i64, _>(0)).map_err(self.wrong())? {
+            0 => Ok(()),
+            _ => Err(self.locked()),
         }
-        batch.transaction.commit().await.map_err(self.wrong())?;
-        Ok(made)
     }
 
-    async fn episodes(&self, page: Page) -> Result<Vec<Episode>, StoreError> {
-        let before = page.before.map_or(i64::MAX, |id| id.0);
-        let query = sqlx::query(queries::EPISODES_BEFORE).bind(before).bind(i64::from(page.limit));
-        let rows = query.fetch_all(&self.pool).await.map_err(self.wrong())?;
-        rows.iter().map(rows::episode).collect()
+    async fn copy_into(&self, to: &Path) -> Result<(), StoreError> {
+        // Errors of writing are told of the new file: it is the one that needs room.
+        let wrong = |error| door::error(to, error);
+        let name = to.to_str().ok_or_else(|| StoreError::Unwritable {
+            database: to.display().to_string(),
+            reason: "SQLite wants a name in Unicode".into(),
+        })?;
+        sqlx::query("VACUUM INTO $1").bind(name).execute(&self.pool).await.map(drop).map_err(wrong)
     }
 
-    async fn episode(&self, id: EpisodeId) -> Result<Option<Episode>, StoreError> {
-        let query = sqlx::query(queries::EPISODE).bind(id.0);
-        let row = query.fetch_optional(&self.pool).await.map_err(self.wrong())?;
-        row.as_ref().map(rows::episode).transpose()
-    }
-
-    async fn flight(&self, key: FlightKey) -> Result<Option<Episode>, StoreError> {
-        let query = sqlx::query(queries::EPISODE_OF_KEY).bind(key.0.to_vec());
-        let row = query.fetch_optional(&self.pool).await.map_err(self.wrong())?;
-        row.as_ref().map(rows::episode).transpose()
-    }
-
-    async fn record(&self, id: EpisodeId) -> Result<Option<Vec<u8>>, StoreError> {
-        let query = sqlx::query_scalar(queries::RECORD).bind(id.0);
-        query.fetch_optional(&self.pool).await.map_err(self.wrong())
-    }
-
-    async fn chunks(&self, id: EpisodeId) -> Result<Vec<Chunk>, StoreError> {
-        let query = sqlx::query(queries::CHUNKS).bind(id.0);
-        let rows = query.fetch_all(&self.pool).await.map_err(self.wrong())?;
-        rows.iter().map(rows::chunk).collect()
-    }
-
-    async fn models(&self) -> Result<Vec<StoredModel>, StoreError> {
-        let rows = sqlx::query(queries::MODELS).fetch_all(&self.pool).await.map_err(self.wrong())?;
-        rows.iter().map(rows::model).collect()
-    }
-
-    async fn model(&self, hash: &str) -> Result<Option<Vec<u8>>, StoreError> {
-        let query = sqlx::query_scalar(queries::MODEL).bind(hash);
-        query.fetch_optional(&self.pool).await.map_err(self.wrong())
-    }
-
-    async fn check(&self) -> Result<(), StoreError> {
-        let query = sqlx::query_scalar::<_, i64>(queries::CHECK);
-        query.fetch_one(&self.pool).await.map(drop).map_err(self.wrong())
+    async fn close(&self) {
+        self.pool.close().await;
     }
 }
 
-/// A transaction under way; dropping it takes everything back.
-struct Batch<'a> {
-    transaction: Transaction<'static, Sqlite>,
-    path: &'a Path,
+struct SqliteTransaction {
+    transaction: sqlx::Transaction<'static, Sqlite>,
+    path: PathBuf,
 }
 
-type Query<'q> = sqlx::query::Query<'q, Sqlite, sqlx::sqlite::SqliteArguments>;
+#[async_trait]
+impl Transaction for SqliteTransaction {
+    async fn execute(&mut self, sql: &'static str, values: &[Value<'_>]) -> Result<u64, StoreError> {
+        let done = bound(sql, values).execute(&mut *self.transaction).await;
+        done.map(|done| done.rows_affected()).map_err(|error| door::error(&self.path, error))
+    }
 
-impl Batch<'_> {
-    async fn carry_out(&mut self, write: &Write) -> Result<Option<EpisodeId>, StoreError> {
-        match write {
-            Write::Model { model, origin, at_ms } => {
-                let card = model.card();
-                let card_json = serde_json::to_string(card)
-                    .map_err(|error| StoreError::Value { what: "a card", value: error.to_string() })?;
-                let query = sqlx::query(queries::ADD_MODEL).bind(model.hash()).bind(origin.word());
-                let query = query.bind(card.kind.word()).bind(&card.name).bind(&card.task.plant);
-                self.execute(query.bind(card_json).bind(model.bytes()).bind(*at_ms)).await?;
-            }
-            Write::Keep { plant, hash, at_ms } => {
-                self.execute(sqlx::query(queries::KEEP_NONE).bind(plant)).await?;
-                if let Some(hash) = hash {
-                    self.execute(sqlx::query(queries::KEEP).bind(hash).bind(*at_ms)).await?;
-                }
-            }
-            Write::Begin { key, setup, at_ms } => {
-                return self.add_episode(Some(*key), setup, *at_ms, None).await.map(Some);
-            }
-            Write::Chunk { episode, chunk } => self.add_chunk(*episode, chunk).await?,
-            Write::Finish { episode, record, at_ms } => self.finish(*episode, record, *at_ms).await?,
-            Write::Refuse { episode, reason, at_ms } => {
-                let query = sqlx::query(queries::REFUSE).bind(episode.0).bind(reason).bind(*at_ms);
-                self.execute_one(query, *episode, "a refusal").await?;
-            }
-            Write::Episode { record, at_ms } => {
-                let ended = Some((record.ending, record.ticks));
-                let id = self.add_episode(None, &record.setup, *at_ms, ended).await?;
-                self.add_record(id, record).await?;
-                return Ok(Some(id));
-            }
-            Write::Forget(episode) => {
-                self.execute_one(sqlx::query(queries::FORGET).bind(episode.0), *episode, "being forgotten")
-                    .await?;
-            }
+    async fn read(&mut self, sql: &'static str, values: &[Value<'_>]) -> Result<Vec<Row>, StoreError> {
+        let rows = bound(sql, values).fetch_all(&mut *self.transaction).await;
+        let rows = rows.and_then(|rows| rows.iter().map(row).collect::<Result<_, _>>());
+        rows.map_err(|error| door::error(&self.path, error))
+    }
+
+    fn numbering(&self) -> Numbering {
+        Numbering {
+            read: "SELECT COALESCE(MAX(seq), 0) FROM sqlite_sequence WHERE name = 'episodes'",
+            write: "INSERT INTO sqlite_sequence (name, seq) VALUES ('episodes', $1)",
         }
-        Ok(None)
     }
 
-    async fn add_episode(
-        &mut self,
-        key: Option<FlightKey>,
-        setup: &Setup,
-        at_ms: i64,
-        ended: Option<(Ending, u32)>,
-    ) -> Result<EpisodeId, StoreError> {
-        let setup_json = serde_json::to_string(setup)
-            .map_err(|error| StoreError::Value { what: "a setup", value: error.to_string() })?;
-        let id = sqlx::query_scalar(queries::ADD_EPISODE)
-            .bind(key.map(|key| key.0.to_vec()))
-            .bind(&setup.task.plant)
-            .bind(i64::from(setup.plant_version))
-            .bind(i64::from(FORMAT_VERSION))
-            .bind(env!("CARGO_PKG_VERSION"))
-            .bind(setup.rule.word())
-            .bind(setup.seed as i64)
-            .bind(&setup.pilot)
-            .bind(setup.time_scale)
-            .bind(&setup.values)
-            .bind(&setup.intent)
-            .bind(setup_json)
-            .bind(at_ms)
-            .bind(ended.map(|_| at_ms))
-            .bind(ended.map_or(0, |(_, ticks)| i64::from(ticks)))
-            .bind(ended.map(|(ending, _)| ending.word()));
-        id.fetch_one(&mut *self.transaction)
-            .await
-            .map(EpisodeId)
-            .map_err(|error| door::error(self.path, error))
+    async fn commit(self: Box<Self>) -> Result<(), StoreError> {
+        self.transaction.commit().await.map_err(|error| door::error(&self.path, error))
     }
+}
 
-    async fn add_chunk(&mut self, episode: EpisodeId, chunk: &Chunk) -> Result<(), StoreError> {
-        let (from, to) = (i64::from(chunk.from_tick), i64::from(chunk.to_tick));
-        let advance = sqlx::query(queries::ADVANCE).bind(episode.0).bind(from).bind(to);
-        self.execute_one(advance, episode, "a piece of its key log").await?;
-        let query = sqlx::query(queries::ADD_CHUNK).bind(episode.0).bind(from).bind(to);
-        let query = query.bind(chunk.digests.plant as i64).bind(chunk.digests.decisions as i64);
-        self.execute(query.bind(&chunk.events)).await.map(drop)
+fn bound<'q>(sql: &'static str, values: &'q [Value<'_>]) -> Query<'q, Sqlite, SqliteArguments> {
+    values.iter().fold(sqlx::query(sql), |query, value| match *value {
+        Value::Number(number) => query.bind(number),
+        Value::Real(number) => query.bind(number),
+        Value::Text(text) => query.bind(text),
+        Value::Bytes(bytes) => query.bind(bytes),
+    })
+}
+
+fn row(row: &SqliteRow) -> Result<Row, sqlx::Error> {
+    (0..row.len()).map(|place| cell(row, place)).collect::<Result<_, _>>().map(Row::new)
+}
+
+fn cell(row: &SqliteRow, place: usize) -> Result<Cell, sqlx::Error> {
+    let raw = row.try_get_raw(place)?;
+    if raw.is_null() {
+        return Ok(Cell::Nothing);
     }
-
-    async fn finish(&mut self, episode: EpisodeId, record: &Record, at_ms: i64) -> Result<(), StoreError> {
-        let query = sqlx::query(queries::FINISH).bind(episode.0).bind(record.ending.word());
-        let query = query.bind(i64::from(record.ticks)).bind(at_ms);
-        self.execute_one(query, episode, "its end").await?;
-        self.add_record(episode, record).await?;
-        self.execute(sqlx::query(queries::DROP_CHUNKS).bind(episode.0)).await.map(drop)
-    }
-
-    async fn add_record(&mut self, episode: EpisodeId, record: &Record) -> Result<(), StoreError> {
-        let query = sqlx::query(queries::ADD_RECORD).bind(episode.0).bind(&record.packed);
-        self.execute(query).await.map(drop)
-    }
-
-    async fn execute(&mut self, query: Query<'_>) -> Result<u64, StoreError> {
-        let done = query.execute(&mut *self.transaction).await;
-        done.map(|done| done.rows_affected()).map_err(|error| door::error(self.path, error))
-    }
-
-    /// For a change that fits exactly one row, or nothing that is stored.
-    async fn execute_one(
-        &mut self,
-        query: Query<'_>,
-        episode: EpisodeId,
-        what: &'static str,
-    ) -> Result<(), StoreError> {
-        match self.execute(query).await? {
-            1 => Ok(()),
-            _ => Err(StoreError::Misplaced { episode, what }),
-        }
+    let kind = raw.type_info().into_owned();
+    match kind.name() {
+        "INTEGER" => row.try_get_unchecked(place).map(Cell::Number),
+        "REAL" => row.try_get_unchecked(place).map(Cell::Real),
+        "TEXT" => row.try_get_unchecked(place).map(Cell::Text),
+        _ => row.try_get_unchecked(place).map(Cell::Bytes),
     }
 }

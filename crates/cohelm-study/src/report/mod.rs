@@ -13,7 +13,10 @@
 
 mod html;
 mod markdown;
+mod study;
 pub mod tables;
+
+pub use study::study_report;
 
 use crate::figures::Figure;
 use crate::measures::{self, Measure};
@@ -200,7 +203,7 @@ impl Block {
     }
 
     /// The definitions of measures.
-    pub fn measures<'a>(measures: impl IntoIterator<Item = &'a Measure>) -> Self {
+    pub fn measures<'a>(measures: impl IntoIterator<Item = &'a Measure<'a>>) -> Self {
         Block::Definitions(measures.into_iter().map(|m| (m.title(), measures::definition(m))).collect())
     }
 }

@@ -52,6 +52,11 @@ impl Fingers {
         self.down.iter().map(|finger| finger.control)
     }
 
+    /// The controls that are down, one bit each.
+    pub(super) fn keys_down(&self) -> u64 {
+        self.held().fold(0, |bits, control| bits | bit(control))
+    }
+
     /// True while a finger is on its way up, or on a wrong key: the pilot presses nothing else meanwhile.
     pub(super) fn busy(&self) -> bool {
         self.down.iter().any(|finger| finger.slipped || finger.leaving)

@@ -5,22 +5,24 @@ use sqlx::migrate::MigrateError;
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
-use sqlx::{ConnectOptions, Connection};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 use std::path::Path;
 use std::time::Duration;
 
 /// What SQLite's header says of whose file it is: "CHLM".
 const APPLICATION_ID: i64 = 0x4348_4c4d;
 /// How long to wait for another program that writes: shorter fails where patience would have done.
-const PATIENCE: Duration = Duration::from_millis(if cfg!(test) { 300 } else { 5_000 });
+pub const PATIENCE: Duration = Duration::from_millis(if cfg!(test) { 300 } else { 5_000 });
 /// One connection writes, the others read meanwhile.
 const CONNECTIONS: u32 = 4;
 
 /// Makes the folder of a database.
 pub fn make_folder(path: &Path) -> Result<(), StoreError> {
     let Some(folder) = path.parent() else { return Ok(()) };
-    std::fs::create_dir_all(folder)
-        .map_err(|error| StoreError::Unwritable { path: path.into(), reason: error.to_string() })
+    std::fs::create_dir_all(folder).map_err(|error| StoreError::Unwritable {
+        database: path.display().to_string(),
+        reason: error.to_string(),
+    })
 }
 
 /// Looks into the file without changing a byte of it. No file, an empty one and an empty database are fine.
@@ -35,16 +37,18 @@ pub async fn refuse_what_is_not_ours(path: &Path) -> Result<(), StoreError> {
 /// The header says how many pages there should be. It may be behind while a `-wal` file holds newer pages.
 fn refuse_cut_off(path: &Path) -> Result<(), StoreError> {
     use std::io::Read;
-    let unreadable =
-        |error: std::io::Error| StoreError::Unwritable { path: path.into(), reason: error.to_string() };
+    let unreadable = |error: std::io::Error| StoreError::Unwritable {
+        database: path.display().to_string(),
+        reason: error.to_string(),
+    };
     let mut file = std::fs::File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut header = Vec::new();
     file.by_ref().take(100).read_to_end(&mut header).map_err(unreadable)?;
     if !header.starts_with(b"SQLite format 3\0") {
-        return Err(StoreError::Foreign { path: path.into() });
+        return Err(StoreError::Foreign { database: path.display().to_string() });
     }
-    let damaged = |reason: String| StoreError::Damaged { path: path.into(), reason };
+    let damaged = |reason: String| StoreError::Damaged { database: path.display().to_string(), reason };
     if header.len() < 100 {
         return Err(damaged(format!("it is cut off after {length} bytes")));
     }
@@ -74,7 +78,11 @@ async fn refuse_foreign(path: &Path) -> Result<(), StoreError> {
         .map_err(wrong)?;
     connection.close().await.map_err(wrong)?;
     let new = id == 0 && tables == 0;
-    if id == APPLICATION_ID || new { Ok(()) } else { Err(StoreError::Foreign { path: path.into() }) }
+    if id == APPLICATION_ID || new {
+        Ok(())
+    } else {
+        Err(StoreError::Foreign { database: path.display().to_string() })
+    }
 }
 
 /// Opens the file as we use it.
@@ -85,6 +93,8 @@ pub async fn connect(path: &Path) -> Result<SqlitePool, StoreError> {
         .foreign_keys(true)
         .busy_timeout(PATIENCE)
         .journal_mode(SqliteJournalMode::Wal)
+        // What is deleted is overwritten with zeros: people may withdraw what they gave.
+        .pragma("secure_delete", "ON")
         // With less, a commit that was acknowledged may be gone after a loss of power.
         .synchronous(SqliteSynchronous::Full);
     let pool = SqlitePoolOptions::new().max_connections(CONNECTIONS).connect_with(options).await;
@@ -96,31 +106,46 @@ pub async fn connect(path: &Path) -> Result<SqlitePool, StoreError> {
     Ok(pool)
 }
 
+/// How long this connection waits from now on.
+pub async fn wait_for_others(
+    connection: &mut SqliteConnection,
+    patience: Duration,
+) -> Result<(), sqlx::Error> {
+    let sql = format!("PRAGMA busy_timeout = {}", patience.as_millis());
+    // Safe to execute: it holds a number and nothing else.
+    sqlx::query(AssertSqlSafe(sql)).execute(connection).await.map(drop)
+}
+
 /// What an error of the database means.
 pub fn error(path: &Path, error: sqlx::Error) -> StoreError {
-    let reason = error.to_string();
-    let path = path.to_path_buf();
-    let sqlx::Error::Database(database) = &error else { return StoreError::Other { path, reason } };
-    let code: i64 = database.code().and_then(|code| code.parse().ok()).unwrap_or(0);
+    let database = path.display().to_string();
+    let sqlx::Error::Database(told) = &error else {
+        return StoreError::Other { database, reason: error.to_string() };
+    };
+    let reason = told.message().to_owned();
+    let code: i64 = told.code().and_then(|code| code.parse().ok()).unwrap_or(0);
     // Extended codes have the kind of error in their lowest byte (https://sqlite.org/rescode.html).
     match (code & 0xff, code) {
         (_, 787) => StoreError::ModelNotStored,
         (_, 2067) if reason.contains("flight_key") => StoreError::KeyInUse,
-        (5 | 6, _) => StoreError::Locked { path, waited_s: PATIENCE.as_secs() },
-        (3 | 8 | 14, _) => StoreError::Unwritable { path, reason },
-        (13, _) => StoreError::Full { path },
-        (11, _) => StoreError::Damaged { path, reason },
-        (26, _) => StoreError::Foreign { path },
-        _ => StoreError::Other { path, reason },
+        (_, 2067 | 1555) if reason.contains("participants.") => StoreError::ParticipantExists,
+        (5 | 6, _) => StoreError::Locked { database, waited_s: PATIENCE.as_secs() },
+        (3 | 8 | 14, _) => StoreError::Unwritable { database, reason },
+        (13, _) => StoreError::Full { database },
+        (11, _) => StoreError::Damaged { database, reason },
+        (26, _) => StoreError::Foreign { database },
+        _ => StoreError::Other { database, reason },
     }
 }
 
 /// What an error of a migration means.
 pub fn migration_error(path: &Path, known: i64, error: MigrateError) -> StoreError {
     match error {
-        MigrateError::VersionMissing(found) => StoreError::Newer { path: path.into(), found, known },
+        MigrateError::VersionMissing(found) => {
+            StoreError::Newer { database: path.display().to_string(), found, known }
+        }
         MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => self::error(path, error),
-        other => StoreError::Other { path: path.into(), reason: other.to_string() },
+        other => StoreError::Other { database: path.display().to_string(), reason: other.to_string() },
     }
 }
 

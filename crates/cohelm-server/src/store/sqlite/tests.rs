@@ -1,6 +1,11 @@
 //! What is SQLite's own: files that are not ours, damaged, newer, locked, in the wrong place.
 
+mod backup;
+mod released;
+mod withdrawn;
+
 use super::*;
+use crate::store::{Page, Studies, Write};
 use crate::testing::{Disk, record};
 use std::fs;
 
@@ -12,6 +17,10 @@ async fn written() -> (tempfile::TempDir, PathBuf) {
     store.close().await;
     let path = folder.path().join("flights.db");
     (folder, path)
+}
+
+fn name(path: &Path) -> String {
+    path.display().to_string()
 }
 
 async fn opened(path: &Path) -> StoreError {
@@ -30,7 +39,7 @@ async fn a_folder_that_is_missing_is_made_but_a_database_is_not_where_one_should
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a/b/flights.db");
     let missing = SqliteStore::open_existing(&path).await.expect_err("nothing is there");
-    assert_eq!(missing, StoreError::Missing { path: path.clone() });
+    assert_eq!(missing, StoreError::Missing { database: name(&path) });
     assert!(!path.exists());
     assert!(SqliteStore::open(&path).await.is_ok());
 }
@@ -52,7 +61,7 @@ async fn a_foreign_file_is_refused_and_left_as_it_is() {
     let path = folder.path().join("letter.txt");
     fs::write(&path, "Dear reader, this is a letter and no database.".repeat(20)).unwrap();
     let before = fs::read(&path).unwrap();
-    assert_eq!(opened(&path).await, StoreError::Foreign { path: path.clone() });
+    assert_eq!(opened(&path).await, StoreError::Foreign { database: name(&path) });
     assert_eq!(fs::read(&path).unwrap(), before);
 }
 
@@ -65,7 +74,7 @@ async fn the_database_of_another_program_is_refused_and_left_as_it_is() {
     sqlx::query("CREATE TABLE episodes (id INTEGER)").execute(&pool).await.unwrap();
     pool.close().await;
     let before = fs::read(&path).unwrap();
-    assert_eq!(opened(&path).await, StoreError::Foreign { path: path.clone() });
+    assert_eq!(opened(&path).await, StoreError::Foreign { database: name(&path) });
     assert_eq!(fs::read(&path).unwrap(), before);
 }
 
@@ -103,12 +112,12 @@ async fn a_newer_schema_is_refused_with_both_numbers() {
         "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time) \
          VALUES (4711, 'of the future', 1, x'00', 0)",
     )
-    .execute(&store.pool)
+    .execute(&store.driver.pool)
     .await
     .unwrap();
     store.close().await;
     let known = migrations().last().unwrap().version;
-    assert_eq!(opened(&path).await, StoreError::Newer { path: path.clone(), found: 4711, known });
+    assert_eq!(opened(&path).await, StoreError::Newer { database: name(&path), found: 4711, known });
 }
 
 #[tokio::test]
@@ -126,10 +135,10 @@ async fn a_database_that_somebody_else_writes_to_is_locked() {
 #[tokio::test]
 async fn every_commit_waits_for_the_disk() {
     let disk = Disk::new().await;
-    let pragma = |name: &'static str| sqlx::query_scalar::<_, i64>(name).fetch_one(&disk.store.pool);
+    let pragma = |name: &'static str| sqlx::query_scalar::<_, i64>(name).fetch_one(&disk.store.driver.pool);
     assert_eq!(pragma("PRAGMA synchronous").await.unwrap(), 2, "2 is FULL");
     let journal: String =
-        sqlx::query_scalar("PRAGMA journal_mode").fetch_one(&disk.store.pool).await.unwrap();
+        sqlx::query_scalar("PRAGMA journal_mode").fetch_one(&disk.store.driver.pool).await.unwrap();
     assert_eq!(journal, "wal");
 }
 
@@ -138,14 +147,63 @@ async fn a_full_disk_is_said_so_and_takes_nothing_back() {
     let (_folder, path) = written().await;
     let store = SqliteStore::open(&path).await.unwrap();
     // Every connection of the pool may grow the file no further.
+    on_every_connection(&store, "PRAGMA max_page_count = 1").await;
+    let episodes = vec![Write::Episode { record: record(1), at_ms: 0 }; 200];
+    let error = store.commit(&episodes).await.unwrap_err();
+    assert!(matches!(error, StoreError::Full { .. }) && !error.is_about_one_write(), "{error:?}");
+    assert_eq!(store.episodes(Page::newest(999)).await.unwrap().len(), 50);
+    // Somebody makes room.
+    on_every_connection(&store, "PRAGMA max_page_count = 1000000").await;
+    store.commit(&episodes).await.unwrap();
+    assert_eq!(store.episodes(Page::newest(999)).await.unwrap().len(), 250);
+}
+
+async fn on_every_connection(store: &SqliteStore, sql: &'static str) {
     let mut connections = Vec::new();
     for _ in 0..4 {
-        let mut connection = store.pool.acquire().await.unwrap();
-        sqlx::query("PRAGMA max_page_count = 1").execute(&mut *connection).await.unwrap();
+        let mut connection = store.driver.pool.acquire().await.unwrap();
+        sqlx::query(sql).execute(&mut *connection).await.unwrap();
         connections.push(connection);
     }
-    drop(connections);
-    let error = store.commit(&vec![Write::Episode { record: record(1), at_ms: 0 }; 200]).await.unwrap_err();
-    assert!(matches!(error, StoreError::Full { .. }), "{error:?}");
+}
+
+#[tokio::test]
+async fn a_database_that_may_only_be_read_is_said_so_and_can_be_read() {
+    let (_folder, path) = written().await;
+    let store = SqliteStore::open(&path).await.unwrap();
+    on_every_connection(&store, "PRAGMA query_only = ON").await;
+    let error = store.commit(&[Write::Episode { record: record(1), at_ms: 0 }]).await.unwrap_err();
+    assert!(matches!(error, StoreError::Unwritable { .. }), "{error:?}");
     assert_eq!(store.episodes(Page::newest(100)).await.unwrap().len(), 50);
+}
+
+#[cfg(unix)]
+#[tokio::test]
+async fn a_folder_and_a_file_without_rights_are_said_so() {
+    use std::os::unix::fs::PermissionsExt;
+    let (folder, path) = written().await;
+    let allow = |path: &Path, mode| fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+    for (what, without, with) in [(path.as_path(), 0o444, 0o644), (folder.path(), 0o555, 0o755)] {
+        allow(what, without);
+        let opened = SqliteStore::open(&path).await.map(drop);
+        let new = SqliteStore::open(&folder.path().join("new.db")).await.map(drop);
+        let everything_is_allowed = fs::OpenOptions::new().append(true).open(&path).is_ok()
+            && fs::write(folder.path().join("probe"), "").is_ok();
+        allow(what, with);
+        if everything_is_allowed {
+            // Root may write anyway.
+            assert_eq!((opened, new), (Ok(()), Ok(())));
+        } else {
+            assert!(matches!(opened.or(new), Err(StoreError::Unwritable { .. })), "{what:?}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn what_stands_where_sqlite_wants_its_log_is_said_so() {
+    let (folder, path) = written().await;
+    fs::create_dir(folder.path().join("flights.db-wal")).unwrap();
+    let error = opened(&path).await;
+    assert!(matches!(error, StoreError::Unwritable { .. }), "{error:?}");
+    assert_eq!(error.to_string().matches(&name(&path)).count(), 1, "{error}");
 }
