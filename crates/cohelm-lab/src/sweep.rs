@@ -11,6 +11,7 @@ mod job;
 mod local;
 mod report;
 mod run;
+mod sheets;
 mod shelf;
 mod tables;
 #[cfg(test)]
@@ -77,6 +78,9 @@ pub enum SweepError {
     /// Nothing has finished yet.
     #[error("no job of this sweep has finished; run it first: cohelm sweep run FILE --out DIR")]
     Nothing,
+    /// A table cannot be written as Parquet.
+    #[error(transparent)]
+    Parquet(#[from] cohelm_study::export::ExportError),
     /// A figure cannot be drawn.
     #[error(transparent)]
     Figure(#[from] cohelm_study::figures::FigureError),

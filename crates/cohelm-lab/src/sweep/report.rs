@@ -1,6 +1,7 @@
 //! The report of a sweep: interquartile means with stratified bootstrap intervals, and performance profiles, as Agarwal et
 //! al. (2021) ask for where runs are few.
 
+use super::sheets::parquet;
 use super::tables::{Finished, OF_A_TRAINING, by_episode, by_job, dictionary, nodes, where_it_ran};
 use super::{Description, Folder, SweepError};
 use cohelm_study::apa::{number, percent};
@@ -35,16 +36,14 @@ const OF_TRAININGS: [&str; 4] = ["landed", "crashed", "mean_steps", "mean_return
 pub fn write_report(folder: &Folder) -> Result<Vec<String>, SweepError> {
     let (finished, planned) = (Finished::all(folder)?, folder.planned()?.len());
     let title = Description::from_toml(&folder.description()?)?.title;
-    let tables = [
-        ("jobs.csv", by_job(&finished)),
-        ("episodes.csv", by_episode(&finished)),
-        ("ran.csv", where_it_ran(&finished)),
-        ("dictionary.csv", dictionary()),
-    ];
-    let tables = tables.into_iter().filter(|(_, csv)| !csv.rows().is_empty());
-    let tables = tables.map(|(name, csv)| (name.to_string(), csv.to_string().into_bytes()));
-    let files: Vec<(String, Vec<u8>)> =
-        tables.chain(document(&title, &finished, planned)?.files("report")).collect();
+    let tables =
+        [("jobs", by_job(&finished)), ("episodes", by_episode(&finished)), ("ran", where_it_ran(&finished))];
+    let mut files = vec![("dictionary.csv".to_string(), dictionary().to_string().into_bytes())];
+    for (name, table) in tables.into_iter().filter(|(_, table)| !table.rows().is_empty()) {
+        files.push((format!("{name}.csv"), table.to_string().into_bytes()));
+        files.push((format!("{name}.parquet"), parquet(name, &table)?));
+    }
+    files.extend(document(&title, &finished, planned)?.files("report"));
     files.iter().try_for_each(|(name, bytes)| folder.write(name, bytes))?;
     Ok(files.into_iter().map(|(name, _)| name).collect())
 }
