@@ -16,6 +16,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event as NewsEvent, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use cohelm_study::design::Design;
+use cohelm_study::design::explain::{TOPICS, explain};
 use cohelm_study::design::schedule::{cells, tallies};
 use cohelm_study::session::{Event, Status};
 use futures_util::{Stream, stream};
@@ -96,26 +97,21 @@ pub async fn study(OfStudy(study): OfStudy) -> Result<Json<Value>, Problem> {
 
 /// The design as pairs of a name and what it is.
 fn in_words(design: &Design) -> Vec<(String, String)> {
-    let task = &design.task;
-    let mut rows = vec![(
-        "Flown".to_owned(),
-        format!("{} with {}, at {} of real time", task.task.plant, task.task.options, task.time_scale),
-    )];
+    let sentences = explain(design, None).sentences;
+    let mut rows: Vec<(String, String)> = TOPICS.map(String::from).into_iter().zip(sentences).collect();
     rows.extend(design.conditions.iter().map(|condition| {
         let (practice, measured) = (condition.practice_episodes, condition.measured_episodes);
         let asked = match condition.questionnaires.as_slice() {
             [] => String::new(),
             asked => format!(", then {}", asked.join(", ")),
         };
-        let flights = format!("{practice} flights of practice, {measured} measured{asked}");
         let learning = if condition.learning { ", learning" } else { "" };
-        let words = format!("rule {}{learning}; {flights}", condition.rule.word());
+        let words = format!(
+            "rule {}{learning}; flights: {practice} practice, {measured} measured{asked}",
+            condition.rule.word()
+        );
         (format!("Condition {}", condition.name), words)
     }));
-    let order = json!(design.order).as_str().unwrap_or_default().to_owned();
-    rows.push(("Order".to_owned(), order));
-    rows.push(("Primary outcome".to_owned(), design.primary.measure.clone()));
-    rows.extend(design.primary.hypothesis.iter().map(|said| ("Hypothesis".to_owned(), said.clone())));
     rows
 }
 

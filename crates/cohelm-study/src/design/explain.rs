@@ -41,6 +41,10 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+/// What each of the sentences of an [`Explanation`] is about, in their order.
+pub const TOPICS: [&str; 7] =
+    ["Participants", "Flown", "Order", "Practice", "Ground", "Primary outcome", "Left out"];
+
 /// Explains a design. With what is known of the plant, it also says how long a flight may last.
 pub fn explain(design: &Design, facts: Option<&PlantFacts>) -> Explanation {
     let way = steps(design, &as_listed(design));
@@ -62,7 +66,7 @@ fn as_listed(design: &Design) -> schedule::Assignment {
 }
 
 fn sentences(design: &Design, facts: Option<&PlantFacts>, minutes: f64) -> Vec<String> {
-    vec![
+    let about_each: [String; TOPICS.len()] = [
         who(design, minutes),
         flown(design, facts),
         ordered(design),
@@ -70,7 +74,8 @@ fn sentences(design: &Design, facts: Option<&PlantFacts>, minutes: f64) -> Vec<S
         grounds(design),
         primary(design),
         excluded(design),
-    ]
+    ];
+    about_each.into()
 }
 
 fn who(design: &Design, minutes: f64) -> String {

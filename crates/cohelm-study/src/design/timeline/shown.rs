@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A step as the page gets it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShownStep {
-    /// As [`Step::id`].
+    /// As [`Step::id`](super::Step::id).
     pub id: String,
     /// What is shown.
     #[serde(flatten)]
