@@ -132,3 +132,19 @@ need_gymnasium() {
     .venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: --requirement tools/gymnasium.txt
     cp tools/gymnasium.txt .venv/gymnasium.txt
 }
+
+# need_package test|long: a Python of our own as $venv, with what python/requirements/$1.txt names and the wheel of these sources.
+need_package() {
+    need_program python3 python3 python3-venv
+    venv=$PWD/.tools/python-$1
+    if ! cat python/requirements/*.txt | cmp --silent - "$venv/requirements.txt"; then
+        python3 -c 'import ensurepip' || install_packages "the module venv of Python" python3-venv
+        rm -rf "$venv"
+        python3 -m venv "$venv"
+        "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: --requirement "python/requirements/$1.txt"
+        cat python/requirements/*.txt >"$venv/requirements.txt"
+    fi
+    CARGO_TARGET_DIR=$target/python "$venv/bin/maturin" build --quiet --locked --release \
+        --manifest-path python/Cargo.toml --out "$scratch/wheels"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps "$scratch"/wheels/*.whl
+}

@@ -7,5 +7,6 @@ pub mod fly;
 mod kills;
 pub mod reproduce;
 pub mod study;
+pub mod sweep;
 pub mod train;
 pub mod verify;
