@@ -100,8 +100,13 @@ impl GymnasiumPlant {
     /// A flight that somebody else flies, with what burnt in its last tick: for drawing it.
     pub fn of(lander: GymnasiumLander, burning: Engines) -> Self {
         let task = GymnasiumTask::default();
-        let mut plant =
-            Self { task, space: task.actions().space(), lander, engines: burning, shown: Observation::default() };
+        let mut plant = Self {
+            task,
+            space: task.actions().space(),
+            lander,
+            engines: burning,
+            shown: Observation::default(),
+        };
         plant.shown = plant.lander.observation();
         plant
     }
