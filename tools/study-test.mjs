@@ -3,7 +3,6 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import {
-  copyFileSync,
   existsSync,
   mkdirSync,
   mkdtempSync,
@@ -292,7 +291,8 @@ try {
       assert.equal(verified.identical, verified.finished);
       assert.equal(verified.in_the_air + verified.refused, 0);
       said("study", "export", database, "--out", join(folder, "export"));
-      copyFileSync(database, join(folder, "study.db"));
+      rmSync(join(folder, "study.db"), { force: true });
+    said("study", "backup", database, join(folder, "study.db"));
     },
   );
   await step("whoever withdraws is deleted", researcherDeletes);
