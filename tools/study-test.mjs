@@ -292,7 +292,7 @@ try {
       assert.equal(verified.in_the_air + verified.refused, 0);
       said("study", "export", database, "--out", join(folder, "export"));
       rmSync(join(folder, "study.db"), { force: true });
-    said("study", "backup", database, join(folder, "study.db"));
+      said("study", "backup", database, join(folder, "study.db"));
     },
   );
   await step("whoever withdraws is deleted", researcherDeletes);
