@@ -491,9 +491,9 @@ async fn what_is_logged_of_a_request_is_its_route() {
     let token = "0123456789abcdef".repeat(2);
     let told = Told::default();
     let mut browser = Browser::new(&server);
-    // The first span of all decides for good whether anybody listens, unless somebody begins to listen afterwards: without
-    // this request another test on another thread could make it in between.
-    browser.get("/healthz").await;
+    // As long as there is one listener only, `tracing` asks each thread that meets a span first whether it listens there, and
+    // the other tests' threads do not. With two of them it asks all listeners.
+    let _second = tracing::Dispatch::new(Told::default());
     let _guard = tracing::subscriber::set_default(told.clone());
     browser.get(&format!("/p/{token}")).await;
     browser.get("/join?PROLIFIC_PID=5f3a9c0d1e2b4a6788990011").await;
