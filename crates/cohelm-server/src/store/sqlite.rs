@@ -50,6 +50,11 @@ impl SqliteStore {
 }
 
 /// What tests do behind the store's back.
+/// How long to wait for the thread of a connection, and how often at most.
+const FOR_THE_OTHER_THREAD: Duration = Duration::from_millis(5);
+/// See [`FOR_THE_OTHER_THREAD`].
+const MOST_WAITS: u32 = 100;
+
 #[cfg(test)]
 impl SqliteStore {
     /// Keeps everybody else from writing until it is dropped.
@@ -84,7 +89,16 @@ impl SqliteDriver {
     }
 
     async fn begin_with(&self, statement: &'static str) -> Result<Box<dyn Transaction>, StoreError> {
-        let transaction = self.pool.begin_with(statement).await.map_err(self.wrong())?;
+        let mut begun = self.pool.begin_with(statement).await;
+        // What a full disk ended is taken back by the connection's own thread, which may not have come to it yet.
+        for _ in 0..MOST_WAITS {
+            if !matches!(begun, Err(sqlx::Error::InvalidSavePointStatement)) {
+                break;
+            }
+            tokio::time::sleep(FOR_THE_OTHER_THREAD).await;
+            begun = self.pool.begin_with(statement).await;
+        }
+        let transaction = begun.map_err(self.wrong())?;
         Ok(Box::new(SqliteTransaction { transaction, path: self.path.clone() }))
     }
 
