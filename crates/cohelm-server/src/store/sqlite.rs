@@ -49,12 +49,12 @@ impl SqliteStore {
     }
 }
 
-/// What tests do behind the store's back.
-/// How long to wait for the thread of a connection, and how often at most.
+/// How long to wait for the thread of a connection, and how often at most: half a second is more than a rollback takes.
 const FOR_THE_OTHER_THREAD: Duration = Duration::from_millis(5);
 /// See [`FOR_THE_OTHER_THREAD`].
 const MOST_WAITS: u32 = 100;
 
+/// What tests do behind the store's back.
 #[cfg(test)]
 impl SqliteStore {
     /// Keeps everybody else from writing until it is dropped.
