@@ -6,7 +6,8 @@ use cohelm::action::Action;
 use cohelm::plant::Plant;
 use cohelm::point::Point;
 use cohelm::value::ValueModel;
-use cohelm_copilot::{Model, NetworkValues};
+use cohelm_copilot::Model;
+use cohelm_copilot::values::NetworkValues;
 
 fn agrees(plant: &dyn Plant, model: &mut dyn ValueModel, asked: Option<Action>) {
     let view = plant.view();
@@ -25,7 +26,8 @@ fn agrees(plant: &dyn Plant, model: &mut dyn ValueModel, asked: Option<Action>) 
 fn a_network_values_given_commands_as_it_values_its_candidates() {
     let mut plant = made::plants().make(&made::task()).unwrap();
     for sees_asked in [false, true] {
-        let card = cohelm_copilot::Card { sees_asked, ..made::card(cohelm_copilot::Kind::Values, &made::task()) };
+        let card =
+            cohelm_copilot::Card { sees_asked, ..made::card(cohelm_copilot::Kind::Values, &made::task()) };
         let network = made::values_network(&card, 4);
         let model = Model::of_values(&card, &network).unwrap();
         let mut values = NetworkValues::new(model.card(), network.into()).unwrap();
