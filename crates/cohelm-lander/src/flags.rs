@@ -235,8 +235,8 @@ impl Plant for FlagLander {
     }
 
     fn mirror(&self) -> Option<Mirror> {
-        let commands = self.options.actions.mirrored_commands()?;
-        Some(Mirror { state: state::MIRRORED.to_vec(), position: [-1.0, 1.0], commands })
+        let (commands, axes) = self.options.actions.mirrored();
+        Some(Mirror { state: state::MIRRORED.to_vec(), position: [-1.0, 1.0], commands, axes })
     }
 
     fn teacher(&mut self, goal: usize) -> Option<Action> {

@@ -172,13 +172,16 @@ pub trait Plant: Send {
 }
 
 /// A symmetry of a plant: the mirrored state has component `state[i].0` of the original at place i, times
-/// `state[i].1`; positions are multiplied by `position`; command c becomes `commands[c]`.
+/// `state[i].1`; positions are multiplied by `position`; command c becomes `commands[c]`; the mirrored action has axis
+/// `axes[i].0` of the original at place i, times `axes[i].1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {
     /// For each component of the mirrored state: where it comes from, and its sign.
     pub state: Vec<(usize, f32)>,
     /// Signs of the two position coordinates.
     pub position: [f32; 2],
-    /// The mirrored command of each command.
+    /// The mirrored command of each command; empty for a space of axes.
     pub commands: Vec<u8>,
+    /// For each axis of the mirrored action: where it comes from, and its sign; empty for a space of commands.
+    pub axes: Vec<(usize, f32)>,
 }
