@@ -147,6 +147,13 @@ pub trait Plant: Send {
         None
     }
 
+    /// Optional: from now on the goal of that index among those of the moment is the pilot's own. Returns false, having
+    /// done nothing, if the plant cannot or has no such goal. Who looks ahead in a copy makes the inferred goal the
+    /// pilot's there, so that how the copy fares cannot tell which is the pilot's in truth.
+    fn set_pilot_goal(&mut self, _goal: usize) -> bool {
+        false
+    }
+
     /// Optional: begins the episode of a seed from a start of the given difficulty, from 0 (at the goal already) to 1
     /// (wide). Returns false, having done nothing, if the plant cannot.
     fn reset_near_goal(&mut self, _seed: u64, _difficulty: f64) -> bool {
