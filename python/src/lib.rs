@@ -8,6 +8,7 @@ mod errors;
 mod lander;
 mod models;
 mod picture;
+mod plant_vector;
 mod sweep;
 mod training;
 mod vector;
@@ -22,6 +23,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<lander::Lander>()?;
     module.add_class::<vector::LanderVector>()?;
     module.add_class::<world::World>()?;
+    module.add_class::<plant_vector::PlantVector>()?;
     module.add_class::<arbitration::Rule>()?;
     module.add_class::<models::ValueModel>()?;
     module.add_class::<models::IntentModel>()?;

@@ -54,7 +54,7 @@ pub struct World {
 }
 
 /// What a cockpit is made of, anew for each episode.
-struct Help {
+pub struct Help {
     rule: Py<Rule>,
     inference: Inference,
     silence: Silence,
@@ -63,7 +63,7 @@ struct Help {
 }
 
 /// Asks for what it was told to ask for.
-struct Told(Option<Action>);
+pub struct Told(pub Option<Action>);
 
 impl Pilot for Told {
     fn begin(&mut self, _seed: u64) {}
@@ -278,6 +278,11 @@ impl World {
 }
 
 impl World {
+    /// What it was made of: plant and options, and what its cockpits are made of.
+    pub fn recipe(&self, py: Python<'_>) -> (Task, Option<Help>) {
+        (self.task.clone(), self.help.as_ref().map(|help| help.clone_ref(py)))
+    }
+
     fn copied_plant(&mut self) -> PyResult<Box<dyn Plant>> {
         let copy = self.plant.get_mut().snapshot();
         copy.ok_or_else(|| Kind::Option.error("this plant cannot be copied"))
@@ -295,7 +300,8 @@ impl Help {
         }
     }
 
-    fn cockpit(&self, plant: &dyn Plant) -> PyResult<Cockpit> {
+    /// A cockpit for an episode of a plant; an error if its models are for another.
+    pub fn cockpit(&self, plant: &dyn Plant) -> PyResult<Cockpit> {
         let (values, median_range) = match &self.values {
             Some(values) => values.get().values(plant.view().state.len(), plant.space().commands())?,
             None => (Box::new(NoOpinion::new(plant.space())) as Box<dyn CoreValues>, f64::NAN),

@@ -4,11 +4,13 @@ The loop in five words: the pilot asks, the co-pilot infers the intent and estim
 the plant moves. Importing this package registers with Gymnasium:
 
 ``cohelm/LunarLander-v3``
-    Gymnasium's own environment, bit for bit, several times faster; also as a native vector environment.
+    Gymnasium's own environment, bit for bit, several times faster.
 ``cohelm/FlagLander-v1``
     The paper's task: three pairs of flags, one of them the goal.
 ``cohelm/SharedControl-v1``
     The same with a co-pilot in it: the agent is the pilot, and a rule decides what is carried out.
+
+Each is a native vector environment too: ``gymnasium.make_vec(…, vectorization_mode="vector_entry_point")``.
 """
 
 import gymnasium as _gymnasium
@@ -48,5 +50,13 @@ _gymnasium.register(
     max_episode_steps=1000,
     reward_threshold=200,
 )
-_gymnasium.register(id="cohelm/FlagLander-v1", entry_point="cohelm.envs:FlagLander")
-_gymnasium.register(id="cohelm/SharedControl-v1", entry_point="cohelm.envs:SharedControl")
+_gymnasium.register(
+    id="cohelm/FlagLander-v1",
+    entry_point="cohelm.envs:FlagLander",
+    vector_entry_point="cohelm.plant_vector:FlagLanderVector",
+)
+_gymnasium.register(
+    id="cohelm/SharedControl-v1",
+    entry_point="cohelm.envs:SharedControl",
+    vector_entry_point="cohelm.plant_vector:SharedControlVector",
+)

@@ -21,7 +21,8 @@ _LANDER_LOW = np.array([-2.5, -2.5, -10.0, -10.0, -2 * np.pi, -10.0, -0.0, -0.0]
 _LANDER_HIGH = np.array([2.5, 2.5, 10.0, 10.0, 2 * np.pi, 10.0, 1.0, 1.0], dtype=np.float32)
 _LANDER_SIZE = (600, 400)
 _FLAG_SIZE = (800, 600)
-_MOST_SEED = 2**53
+# Beyond it JavaScript's numbers, which name seeds in the page, are no longer exact.
+MOST_SEED = 2**53
 
 
 def lander_spaces(continuous: bool) -> tuple[spaces.Box, spaces.Space[Any]]:
@@ -151,20 +152,24 @@ class FlagLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode. ``seed`` fixes it and those that follow without one."""
         super().reset(seed=seed)
-        if seed is not None and not 0 <= seed < _MOST_SEED:
+        if seed is not None and not 0 <= seed < MOST_SEED:
             raise OptionError(f"a seed lies between 0 and 2**53, got {seed}")
-        episode = seed if seed is not None else int(self.np_random.integers(_MOST_SEED))
+        episode = seed if seed is not None else int(self.np_random.integers(MOST_SEED))
         self.world.reset(episode)
         self._show()
         return self._observe(), {"seed": episode, "goal": self.world.pilot_goal}
 
     def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """One tick. ``info`` is the tick's record; its ``ending`` says how the episode ended."""
+        """One tick. ``info`` is the tick's record; its ``ending`` says how the episode ended, if it did.
+
+        Where :meth:`cohelm.World.step` says ``None`` for an action, there is a number here, so that Gymnasium's vectors can
+        gather them: -1 for nothing (NaN among axes). Where nothing was asked, nothing is ``intervened`` or ``opposed``.
+        """
         tick = self.world.step(self._asked(action))
         self._show()
         terminated = tick["terminated"]
         truncated = tick["ending"] is not None and not terminated
-        return self._observe(), tick["reward"], terminated, truncated, tick
+        return self._observe(), tick["reward"], terminated, truncated, self._told(tick)
 
     def snapshot(self) -> tuple[World, Any]:
         """The state of the world, to be handed to :meth:`restore` as often as one likes."""
@@ -195,6 +200,15 @@ class FlagLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
         if self.nothing is None:
             return np.ascontiguousarray(action, dtype=np.float32)
         return None if int(action) == self.nothing else int(action)
+
+    def _told(self, tick: dict[str, Any]) -> dict[str, Any]:
+        for action in ("asked", "executed"):
+            if tick[action] is None:
+                tick[action] = -1 if self.nothing is not None else np.full(self.action_space.shape or (), np.nan, np.float32)
+        for difference in ("intervened", "opposed"):
+            if difference in tick:
+                tick[difference] = bool(tick[difference])
+        return tick
 
     def _observe(self) -> NDArray[np.float32]:
         goals = self.world.goals()
