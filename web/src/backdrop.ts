@@ -9,7 +9,14 @@ type Pen = CanvasRenderingContext2D;
 type Random = () => number;
 
 /** Paints it all. `seed` only decorates. */
-export function paintBackdrop(pen: Pen, view: View, scene: Scene, ownGoal: number | null, seed: number): void {
+export function paintBackdrop(
+  pen: Pen,
+  view: View,
+  scene: Scene,
+  own: { goal: number | null; words: string },
+  seed: number,
+): void {
+  const ownGoal = own.goal;
   const terrain = new Terrain(scene);
   // A stream of its own for each: a larger canvas with more stars moves no planet.
   const random = (stream: number) => decoration(8 * (seed % 2 ** 40) + stream);
@@ -21,8 +28,8 @@ export function paintBackdrop(pen: Pen, view: View, scene: Scene, ownGoal: numbe
   if (terrain.exists) paintRanges(pen, view, scene, terrain, random(3));
   else paintGrid(pen, view, scene);
   const goals = scene.fixed.filter((part) => part.role === 'goal');
-  const own = goals.filter((part) => part.goal === ownGoal);
-  if (terrain.exists) own.forEach((part) => paintBeam(pen, view, part));
+  const ownParts = goals.filter((part) => part.goal === ownGoal);
+  if (terrain.exists) ownParts.forEach((part) => paintBeam(pen, view, part));
   for (const part of scene.fixed) {
     if (part.role === 'ground') paintGround(pen, view, scene, part, random(4));
     else if (part.role === 'goal') paintGoal(pen, view, part, part.goal === ownGoal);
@@ -33,7 +40,7 @@ export function paintBackdrop(pen: Pen, view: View, scene: Scene, ownGoal: numbe
       pen,
       view,
       part,
-      labelOf(i + 1, goals.length, part.goal === ownGoal),
+      part.goal === ownGoal ? ownLabel(own.words, i + 1, goals.length) : String(i + 1),
       part.goal === ownGoal,
       terrain.exists,
     ),
@@ -265,8 +272,8 @@ export function paintGoal(pen: Pen, view: View, part: Part, own: boolean): void 
 }
 
 /** Numbers as in the overlay, and in words which is the person's own. */
-function labelOf(number: number, count: number, own: boolean): string {
-  return own ? `★ YOUR GOAL${count > 1 ? ` (${number})` : ''}` : String(number);
+function ownLabel(words: string, number: number, count: number): string {
+  return `★ ${words}${count > 1 ? ` (${number})` : ''}`;
 }
 
 /** Below the goal, in the ground, where it is calm. */

@@ -49,6 +49,18 @@ export function paintWay(pen: Pen, view: View, way: Way, upTo: number, whole: bo
   }
 }
 
+/** Another way, dashed. */
+export function paintOther(pen: Pen, view: View, points: Point[]): void {
+  if (points.length === 0) return;
+  pen.strokeStyle = `rgba(${TRAIL}, 0.75)`;
+  pen.lineWidth = 1.6 * view.line;
+  pen.setLineDash([2 * view.line, 6 * view.line]);
+  pen.beginPath();
+  points.forEach(([x, y]) => pen.lineTo(view.x(x), view.y(y)));
+  pen.stroke();
+  pen.setLineDash([]);
+}
+
 /** An arrow from the craft's edge to where it is heading. */
 export function paintHeading(pen: Pen, view: View, { at, velocity, size }: Motion): void {
   const [vx, vy] = [velocity[0] * AHEAD_S, -velocity[1] * AHEAD_S];

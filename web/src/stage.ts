@@ -29,6 +29,16 @@ interface Shown {
   size: number;
   ownBox: Box | null;
   way: cues.Way;
+  /** Another way to compare with. */
+  other: Point[];
+}
+
+/** What is written into the picture. */
+export interface StageWords {
+  /** Behind the distance of a craft that is out of sight. */
+  away: string;
+  /** Below the person's own goal. */
+  own: string;
 }
 
 /** Draws a scene. */
@@ -44,11 +54,11 @@ export class Stage {
   private motion: cues.Motion | null = null;
   private tilt_rad = 0;
 
-  /** `back` lies below `front`; `away` is what is said behind the distance of a craft that is out of sight. */
+  /** `back` lies below `front`; `words` for another language than English. */
   constructor(
     private readonly backCanvas: HTMLCanvasElement,
     readonly canvas: HTMLCanvasElement,
-    private readonly away = 'away',
+    private readonly words: StageWords = { away: 'away', own: 'YOUR GOAL' },
   ) {
     this.back = penOf(backCanvas);
     this.front = penOf(canvas);
@@ -72,6 +82,7 @@ export class Stage {
       size: sizeOf(scene.movable[body]),
       ownBox: own === undefined ? null : boxOf(own.shapes),
       way: { points: [], corrected: [] },
+      other: [],
     };
     this.ending = null;
     this.motion = null;
@@ -84,6 +95,16 @@ export class Stage {
     if (pose === undefined) return;
     this.shown?.way.points.push([pose.x, pose.y]);
     this.shown?.way.corrected.push(tick.intervention?.effective === true);
+  }
+
+  /** Another way through the same scene, drawn for comparison: the poses of each of its ticks. */
+  compare(ticks: Pose[][]): void {
+    if (this.shown === null) return;
+    const { body } = this.shown;
+    this.shown.other = ticks.flatMap((poses): Point[] => {
+      const pose = poses[body];
+      return pose === undefined ? [] : [[pose.x, pose.y]];
+    });
   }
 
   /** Shows how it ended. */
@@ -137,7 +158,7 @@ export class Stage {
         one.width = Math.round(view.width * view.ratio);
         one.height = Math.round(view.height * view.ratio);
       }
-      paintBackdrop(this.back, view, shown.scene, shown.ownGoal, shown.seed);
+      paintBackdrop(this.back, view, shown.scene, { goal: shown.ownGoal, words: this.words.own }, shown.seed);
       this.stale = false;
     }
     return true;
@@ -160,6 +181,7 @@ export class Stage {
     const { front, view, motion } = this;
     const over = this.ending !== null || upTo !== Infinity;
     cues.paintSides(front, view, shown.scene, over ? null : motion);
+    cues.paintOther(front, view, shown.other);
     cues.paintWay(front, view, shown.way, Math.min(upTo, shown.way.points.length), over, shown.ticksPerSecond);
     if (shown.ownBox !== null) cues.paintPointer(front, view, shown.ownBox, nowMs, this.calm);
     if (motion === null) return;
@@ -210,7 +232,7 @@ export class Stage {
   private paintAbove(nowMs: number): void {
     const { front, view, motion, ending } = this;
     if (motion !== null && ending === null) cues.paintHeading(front, view, motion);
-    if (motion !== null) cues.paintOutOfSight(front, view, motion, this.away);
+    if (motion !== null) cues.paintOutOfSight(front, view, motion, this.words.away);
     if (ending !== null) this.paintEnding(ending, nowMs);
   }
 

@@ -3,10 +3,12 @@
 
 mod commands;
 mod live;
+mod numbers;
 mod output;
 mod rig;
+mod server_process;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Shared control of a person and a co-pilot: fly it, train it, reproduce the paper, replay every tick.
@@ -38,7 +40,9 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let matches = numbers::with_negative_numbers(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let outcome = match cli.command {
         Command::Fly(fly) => fly.run(),
         Command::Train(train) => train.run(),
         Command::Evaluate(evaluate) => evaluate.run(),

@@ -132,7 +132,11 @@ fn databases_that_are_none() {
     }
     refused(&["episodes", "--database", "missing"], &["there is no database missing"]);
     refused(&["verify", "episodes", "--database", "missing"], &["there is no database missing"]);
-    refused(&["fly", "--port", "0", "--database", "."], &["database"]);
+    let line = refused(&["fly", "--port", "0", "--database", "."], &["database"]);
+    assert_eq!(line.matches("the database .").count(), 1, "{line}");
+    let line =
+        refused(&["train", "intent", "--from", "missing", "--out", "."], &["there is no database missing"]);
+    assert!(!line.contains('"'), "a name in the form of a debugger: {line}");
 }
 
 #[test]
@@ -157,6 +161,8 @@ fn plants_options_and_populations_that_there_are_not() {
     refused(&["train", "--values", "magic=1"], &["magic", "steps"]);
     refused(&["train", "--values", "steps=many"], &["steps", "many"]);
     refused(&["train", "--values", "steps=-5"], &["-5"]);
+    refused(&["train", "--values", "steps=0"], &["steps", "at least 1"]);
+    refused(&["train", "--values", "discount=-3"], &["discount", "(0, 1]"]);
     refused(&["train", "--values", "batch=0"], &["batch", "at least 1"]);
     refused(&["train", "--ship", "missing.json"], &["missing.json"]);
     no_command_line(&["reproduce", "--population", "martians"], &["martians", "ordinary"]);
@@ -175,8 +181,11 @@ fn numbers_that_cannot_be() {
         ["train", "--threads", "-1"],
         ["episodes", "--limit", "-1"],
     ] {
-        no_command_line(&arguments, &["-1"]);
+        no_command_line(&arguments, &["-1", "expected a whole number from 0 to"]);
     }
+    no_command_line(&["bench", "serve", "--participants", "-1"], &["-1", "whole number"]);
+    refused(&["bench", "serve", "--participants", "0"], &["at least one participant"]);
+    refused(&["bench", "serve", "--bound", "-1"], &["-1", "positive"]);
     no_command_line(&["evaluate", "--episodes", "3.5"], &["3.5"]);
     no_command_line(&["reproduce", "--seed", "99999999999999999999999"], &["99999999999999999999999"]);
     refused(&["reproduce", "--participants", "0"], &["at least one participant"]);
@@ -196,7 +205,10 @@ fn commands_that_there_are_not() {
 
 #[test]
 fn a_python_that_has_no_gymnasium() {
-    refused(&["bench", "lander", "--steps", "9", "--gymnasium", "no-python"], &["cannot run no-python"]);
+    let bench = ["bench", "lander", "--steps", "9", "--gymnasium"];
+    refused(&[&bench[..], &["no-python"]].concat(), &["cannot run no-python"]);
+    // Ends with a failure and says nothing, whatever it is given.
+    refused(&[&bench[..], &["false"]].concat(), &["false cannot fly Gymnasium's lander", "1.4.0"]);
 }
 
 #[test]

@@ -76,5 +76,7 @@ fn a_statistic_that_is_off_by_more_than_a_millionth_is_found_and_named() {
         let (ran, json) = verify("statistics", &changed.to_string());
         assert_eq!((ran.code, &json["all_agree"]), (Some(code), &Value::from(code == 0)), "{}", ran.stdout);
         assert!(code == 0 || ran.stdout.contains("case 1, rm.F"), "{}", ran.stdout);
+        let first = &json["files"][0]["report"]["first_difference"];
+        assert!(code == 0 || first["ours"].is_f64(), "{first}");
     }
 }

@@ -9,3 +9,4 @@ pub mod experiment;
 pub mod parallel;
 pub mod reproduce;
 pub mod results;
+pub mod study;

@@ -236,6 +236,7 @@ impl ValueOptions {
     /// Refuses what contradicts itself; `pilots` tells whether there are any.
     pub(crate) fn check(&self, pilots: bool) -> Result<(), LearnError> {
         let wrong = |option, reason: &str| Err(LearnError::Option { option, reason: reason.into() });
+        self.check_ranges()?;
         if self.worlds == 0 || self.batch == 0 || self.n_step == 0 || self.memory == 0 {
             return wrong("worlds, batch, n_step, memory", "each must be at least 1");
         }
@@ -255,5 +256,97 @@ impl ValueOptions {
             return wrong("sees_asked", "nobody asks: set pilots to a share of the worlds, such as 1");
         }
         Ok(())
+    }
+    /// Refuses numbers that cannot be, each by its own range.
+    fn check_ranges(&self) -> Result<(), LearnError> {
+        let wrong = |option, reason: &str| Err(LearnError::Option { option, reason: reason.into() });
+        if self.steps == 0 || self.episode_cap == 0 || self.hidden.is_empty() || self.hidden.contains(&0) {
+            return wrong("steps, episode_cap, hidden", "each must be at least 1");
+        }
+        if !(self.discount > 0.0 && self.discount <= 1.0) {
+            return wrong("discount", "must lie in (0, 1]; usual: 0.99 to 0.999");
+        }
+        if !(self.average > 0.0 && self.average <= 1.0) {
+            return wrong("average", "must lie in (0, 1]; 1 keeps the weights that learn");
+        }
+        let positive = |number: f32| number.is_finite() && number > 0.0;
+        if !(positive(self.reward_scale) && self.learning_rate.into_iter().all(positive)) {
+            return wrong("reward_scale, learning_rate", "each must be a positive number");
+        }
+        if !(self.huber.is_finite() && self.huber >= 0.0) {
+            return wrong("huber", "must be at least 0; 0 for the squared loss");
+        }
+        let share = |share: f64| (0.0..=1.0).contains(&share);
+        if !(share(self.teacher) && share(self.pilots)) {
+            return wrong("teacher, pilots", "each must be a share of the worlds, from 0 to 1");
+        }
+        self.check_parts()
+    }
+
+    /// The same for the options that have parts.
+    fn check_parts(&self) -> Result<(), LearnError> {
+        let wrong = |option, reason: &str| Err(LearnError::Option { option, reason: reason.into() });
+        let share = |share: f64| (0.0..=1.0).contains(&share);
+        let Exploration { first, then, last, last_from, .. } = self.exploration;
+        if ![first, then, last, last_from].into_iter().all(share) {
+            return wrong("exploration", "first, then, last and last_from must lie in [0, 1]");
+        }
+        match self.target {
+            Target::Follow(rate) if !(rate > 0.0 && rate <= 1.0) => {
+                return wrong("target", "must follow at a rate in (0, 1]; usual: 0.001 to 0.01");
+            }
+            Target::CopyEvery(0) => return wrong("target", "must be copied every 1 or more steps"),
+            _ => {}
+        }
+        let (Updates::PerStep(updates) | Updates::PerEpisode(updates)) = self.updates;
+        if !(updates.is_finite() && updates > 0.0) {
+            return wrong("updates", "must be a positive number a step or an episode");
+        }
+        match self.near_goal {
+            Some(near) if !(near.first > 0.0 && near.growth > 0.0 && near.episodes > 0) => {
+                wrong("near_goal", "first, growth and episodes must be more than 0; null for ordinary starts")
+            }
+            Some(near) if ![near.promote_at, near.ordinary, near.ordinary_at_last].into_iter().all(share) => {
+                wrong("near_goal", "promote_at, ordinary and ordinary_at_last must lie in [0, 1]")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_is_possible() {
+        for name in PRESETS {
+            ValueOptions::preset(name).unwrap().check(true).unwrap();
+        }
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_are_refused_by_the_name_of_their_option() {
+        let usual = ValueOptions::default;
+        for (option, impossible) in [
+            ("steps", ValueOptions { steps: 0, ..usual() }),
+            ("episode_cap", ValueOptions { episode_cap: 0, ..usual() }),
+            ("hidden", ValueOptions { hidden: vec![64, 0], ..usual() }),
+            ("discount", ValueOptions { discount: -3.0, ..usual() }),
+            ("discount", ValueOptions { discount: f32::NAN, ..usual() }),
+            ("average", ValueOptions { average: 0.0, ..usual() }),
+            ("reward_scale", ValueOptions { reward_scale: 0.0, ..usual() }),
+            ("learning_rate", ValueOptions { learning_rate: [1e-3, f32::INFINITY], ..usual() }),
+            ("huber", ValueOptions { huber: -1.0, ..usual() }),
+            ("teacher", ValueOptions { teacher: 1.5, ..usual() }),
+            ("target", ValueOptions { target: Target::CopyEvery(0), ..usual() }),
+            ("target", ValueOptions { target: Target::Follow(2.0), ..usual() }),
+            ("updates", ValueOptions { updates: Updates::PerStep(-0.5), ..usual() }),
+        ] {
+            let told = impossible.check(true).unwrap_err().to_string();
+            assert!(told.contains(option), "{told}");
+        }
+        let exploration = Exploration { first: 1.1, ..usual().exploration };
+        assert!(ValueOptions { exploration, ..usual() }.check(true).is_err());
     }
 }

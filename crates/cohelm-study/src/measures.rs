@@ -66,14 +66,16 @@ impl Range {
 }
 
 /// The definition of one measure.
+///
+/// Those of episodes are fixed and listed here; the scores of a questionnaire come with a study's design.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Measure {
+pub struct Measure<'a> {
     /// Column name.
-    pub key: &'static str,
+    pub key: &'a str,
     /// Name in tables and figures, in lower case, as it stands within a sentence.
-    pub name: &'static str,
+    pub name: &'a str,
     /// What is counted, exactly.
-    pub meaning: &'static str,
+    pub meaning: &'a str,
     /// In what it counts.
     pub unit: Unit,
     /// Which values it can take.
@@ -84,7 +86,7 @@ pub struct Measure {
     pub decimals: usize,
 }
 
-impl Measure {
+impl Measure<'_> {
     /// A value or mean as tables and sentences print it: `85.5 %`, `238.2`.
     pub fn write(&self, value: f64) -> String {
         if self.unit == Unit::Share { percent(value, self.decimals) } else { number(value, self.decimals) }
@@ -116,7 +118,7 @@ impl Measure {
 pub const ENDINGS: [&str; 6] = ["goal", "elsewhere", "crash", "out-of-bounds", "time-limit", "abandoned"];
 
 /// The measures of one episode, in the order of the columns.
-pub const OF_AN_EPISODE: [Measure; 14] = [
+pub const OF_AN_EPISODE: [Measure<'static>; 14] = [
     Measure {
         key: "ending",
         name: "ending",
@@ -252,7 +254,7 @@ pub const OF_AN_EPISODE: [Measure; 14] = [
 ];
 
 /// The measures of a participant in a condition that are no plain mean of an episode's measure.
-pub const OF_A_PARTICIPANT: [Measure; 6] = [
+pub const OF_A_PARTICIPANT: [Measure<'static>; 6] = [
     Measure {
         key: "success",
         name: "success rate",
@@ -321,7 +323,7 @@ pub const PARTS: usize = 20;
 pub const CLASSES: usize = 10;
 
 /// What is measured of an episode in a study besides [`OF_AN_EPISODE`].
-pub const OF_A_FLIGHT: [Measure; 9] = [
+pub const OF_A_FLIGHT: [Measure<'static>; 9] = [
     Measure {
         key: "seconds",
         name: "seconds of flight",
@@ -346,7 +348,7 @@ pub const OF_A_FLIGHT: [Measure; 9] = [
         key: "reversals",
         name: "reversals",
         meaning: "Times the pilot went against the co-pilot: a request differs from that of the tick before, and is the opposite \
-                  (similarity −1) of what the co-pilot carried out of its own accord within the last 25 ticks. Of its own accord: \
+                  (as in opposed commands) of what the co-pilot carried out of its own accord within the last 25 ticks. Of its own accord: \
                   nothing was asked, or what was asked was replaced in effect. The release of a switch’s key asks for its off.",
         unit: Unit::Count("times"),
         range: Range::NotNegative,
@@ -415,7 +417,7 @@ pub const OF_A_FLIGHT: [Measure; 9] = [
 ];
 
 /// The measures of a participant in a condition that need all ticks of it together.
-pub const OF_ALL_TICKS: [Measure; 1] = [Measure {
+pub const OF_ALL_TICKS: [Measure<'static>; 1] = [Measure {
     key: "calibration_error",
     name: "calibration error",
     meaning: "Expected calibration error over all ticks of a participant in a condition: the ticks are put into ten equal classes of \
@@ -428,17 +430,17 @@ pub const OF_ALL_TICKS: [Measure; 1] = [Measure {
 }];
 
 /// Every measure there is, in the order of the columns: rates, then what an episode has, then what only studies measure.
-pub fn all() -> impl Iterator<Item = &'static Measure> {
+pub fn all() -> impl Iterator<Item = &'static Measure<'static>> {
     OF_A_PARTICIPANT.iter().chain(&OF_AN_EPISODE).chain(&OF_A_FLIGHT).chain(&OF_ALL_TICKS)
 }
 
 /// The definition under a key, of an episode or of a participant.
-pub fn measure(key: &str) -> Option<&'static Measure> {
+pub fn measure(key: &str) -> Option<&'static Measure<'static>> {
     all().find(|measure| measure.key == key)
 }
 
 /// A data dictionary: what every column means, in what unit, of which type and range, and when it is empty.
-pub fn dictionary(measures: &[Measure]) -> Csv {
+pub fn dictionary(measures: &[Measure<'_>]) -> Csv {
     let mut csv = Csv::new(["column", "meaning", "unit", "range", "empty_when"]);
     for measure in measures {
         csv.push([
@@ -453,7 +455,7 @@ pub fn dictionary(measures: &[Measure]) -> Csv {
 }
 
 /// The definition as a report prints it.
-pub fn definition(measure: &Measure) -> Text {
+pub fn definition(measure: &Measure<'_>) -> Text {
     let missing = match measure.missing_when {
         "" => String::new(),
         when => format!(" No value when {when}."),

@@ -79,6 +79,8 @@ export class FlightShow {
   private begunAt = Date.now();
   private lastKeptAt = 0;
   private counting = 0;
+  /** The page is being left: what happens now is part of leaving, not of the flight. */
+  private isLeft = false;
   private finish: (flown: Flown) => void = () => {};
   private over = false;
 
@@ -89,7 +91,7 @@ export class FlightShow {
     this.key = plan.key ?? toHex(crypto.getRandomValues(new Uint8Array(16)));
     const front = element('canvas', { class: 'front', role: 'img', 'aria-label': plan.words.canvas });
     const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
-    this.stage = new Stage(back, front, plan.words.away);
+    this.stage = new Stage(back, front, { away: plan.words.away, own: plan.words.own });
     this.node = element(
       'div',
       { class: 'stage', tabindex: '-1' },
@@ -139,6 +141,7 @@ export class FlightShow {
     window.addEventListener('keydown', (event) => this.shortcut(event), { signal });
     window.addEventListener('blur', () => this.hold(), { signal });
     window.addEventListener('pagehide', () => this.leave(), { signal });
+    window.addEventListener('pageshow', () => (this.isLeft = false), { signal });
     document.addEventListener(
       'visibilitychange',
       () => {
@@ -297,6 +300,7 @@ export class FlightShow {
     }
     const { words } = this.plan;
     this.keep();
+    this.showHud();
     this.card.show(
       'paused',
       words.paused,
@@ -315,7 +319,7 @@ export class FlightShow {
 
   private keep(): void {
     const { run } = this;
-    if (run === null || this.over || run.ticks === 0) return;
+    if (run === null || this.over || this.isLeft || run.ticks === 0) return;
     try {
       const [log, measured] = [run.log(), run.measured()];
       this.deck.keeper.keep(this.key, { ...log, begunAt: this.begunAt, keptAt: Date.now(), measured });
@@ -329,6 +333,8 @@ export class FlightShow {
     const { run } = this;
     if (run === null || run.isReady || run.isOver) return;
     this.keep();
+    this.isLeft = true;
+    this.hold();
     this.plan.events.interrupted?.(run.ticks, 'page-left');
   }
 

@@ -7,6 +7,7 @@ export const ENGLISH = {
   canvas: 'The craft, the ground and the goals; your own is marked',
   tilt: 'tilt',
   away: 'away',
+  own: 'YOUR GOAL',
   ready: 'Ready to fly',
   task: 'Come to rest at your goal: the amber one, marked ★.',
   start: 'Start',

@@ -17,6 +17,8 @@ export interface Branch extends Recording {
   /** Ticks from the branch until something else was carried out than in the record; null if nothing was, as far as that goes. */
   differsAfter: number | null;
   ending: Ending;
+  /** Ticks of the record: after them nobody asks, if the recorded keys go on. */
+  keysEnd: number;
 }
 
 /** Flies a branch to its end; null if `goOn` said no in between. `core` watches the same record as `original`. */
@@ -54,6 +56,7 @@ export async function flyBranch(
     wish,
     differsAfter: firstDifference(ticks, original, at),
     ending: ticks.at(-1)?.ending ?? 'abandoned',
+    keysEnd: original.length,
   };
 }
 

@@ -64,7 +64,8 @@ export class Playback {
 
   /** How far behind the flight the picture is, s. */
   behind_s(nowMs: number): number {
-    if (this.origin === null || this.over) return 0;
+    if (this.origin === null) return 0;
+    if (this.over) return (this.head - this.place) / this.ticksPerSecond;
     return Math.max(0, (nowMs - this.origin) / 1000 - this.place / this.ticksPerSecond);
   }
 

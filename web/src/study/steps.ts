@@ -15,6 +15,8 @@ export interface Session {
   minutes_left: number | null;
   /** What remains, the current step first. */
   steps: Step[];
+  /** Questions of the quiz that the last answers got wrong. */
+  wrong?: string[];
   /** The server's clock, ms since 1970. */
   server_ms: number;
 }

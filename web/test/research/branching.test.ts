@@ -4,7 +4,8 @@ import { readFileSync } from 'node:fs';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { Core, CoreError, type Rule, type Setup, type Wish } from '../../src/core';
 import { readRecording, type Recording } from '../../src/replay';
-import { apart, flyBranch } from '../../src/research/branching';
+import { apart, flyBranch, type Branch } from '../../src/research/branching';
+import { momentWords, whatItSays } from '../../src/research/worth';
 
 const WASM = readFileSync(new URL('../../dist/cohelm_page.wasm', import.meta.url));
 
@@ -89,5 +90,37 @@ describe('a branch', () => {
 
   it('is offered to those alone who know the keys', () => {
     expect(other.pilots()).toEqual([{ pilot: 'recorded' }, { pilot: 'nobody' }, { pilot: 'greedy' }]);
+  });
+});
+
+describe('what a branch is worth', () => {
+  const fly = async (at: number, rule: Rule, pilot?: Wish['pilot']): Promise<Branch> =>
+    (await flyBranch(other, original, wish(at, rule, pilot), () => true))!;
+
+  it('is said for the moment: as recorded, an open loop, then nothing much', async () => {
+    const branch = await fly(30, { rule: 'robot' });
+    const states = [30, 31, 80, 81].map((position) => momentWords(branch, position).state);
+    expect(states).toEqual(['recorded', 'fresh', 'fresh', 'stale']);
+    expect(momentWords(branch, 80).words).toBe('+1.00 s, open loop');
+    expect(momentWords(branch, 121).words).toMatch(/keys are over, nobody asks/);
+  });
+
+  it('runs by the time as the person saw it', async () => {
+    const branch = await fly(30, { rule: 'robot' });
+    branch.opening.setup.time_scale = 0.5;
+    expect([55, 56].map((position) => momentWords(branch, position).state)).toEqual(['fresh', 'stale']);
+  });
+
+  it('of a simulated pilot is never said to be the person', async () => {
+    const branch = await fly(30, { rule: 'hic' }, { pilot: 'greedy' });
+    expect(momentWords(branch, 110)).toEqual({ words: '+1.60 s, simulated pilot', state: 'fresh' });
+    expect(whatItSays(original, branch)).toMatch(/Not this participant/);
+  });
+
+  it('names the first other action and the parting of the ways, and calls an open loop one', async () => {
+    expect(whatItSays(original, await fly(30, { rule: 'misc' }))).toMatch(/^Nothing else would have been carried out/);
+    const words = whatItSays(original, await fly(30, { rule: 'robot' }));
+    expect(words).toMatch(/^First other action after \d\.\d\d s; the ways part visibly after \d\.\d\d s\./);
+    expect(words).toMatch(/An open loop/);
   });
 });

@@ -1,5 +1,8 @@
 //! `cohelm bench`: speed on this machine, with what it is compared with beside it.
 
+mod serve;
+
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
@@ -18,6 +21,8 @@ pub enum Bench {
     Lander(Lander),
     /// A training step of each network beside the machine's floor, and a decision of the control loop.
     Nets(Nets),
+    /// How long a server lets people wait while hundreds of them fly at once, and what each costs it.
+    Serve(serve::Serve),
 }
 
 /// Options of `bench lander`.
@@ -27,10 +32,10 @@ pub struct Lander {
     #[arg(long, value_name = "PYTHON")]
     gymnasium: Option<PathBuf>,
     /// Interleaved runs of each, of which the median is taken.
-    #[arg(long, default_value_t = 5)]
+    #[arg(long, default_value_t = 5, value_parser = whole::<usize>)]
     runs: usize,
     /// Steps a run.
-    #[arg(long, default_value_t = 100_000)]
+    #[arg(long, default_value_t = 100_000, value_parser = whole::<u32>)]
     steps: u32,
     #[command(flatten)]
     format: Format,
@@ -40,7 +45,7 @@ pub struct Lander {
 #[derive(Args)]
 pub struct Nets {
     /// Runs of each, of which the median is taken.
-    #[arg(long, default_value_t = 30)]
+    #[arg(long, default_value_t = 30, value_parser = whole::<usize>)]
     runs: usize,
     #[command(flatten)]
     format: Format,
@@ -52,6 +57,7 @@ impl Bench {
         match self {
             Self::Lander(lander) => lander.run(),
             Self::Nets(nets) => nets.run(),
+            Self::Serve(serve) => serve.run(),
         }
     }
 }
@@ -103,12 +109,19 @@ fn gymnasium_rate(python: &Path, steps: u32) -> Result<f64> {
         .args(["-", &steps.to_string()])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
         .spawn()
         .with_context(|| format!("cannot run {}", python.display()))?;
-    child.stdin.take().context("the script could not be handed over")?.write_all(script.as_bytes())?;
+    // A Python that ends before it has read the script says why on its standard error.
+    let _ = child.stdin.take().context("the script could not be handed over")?.write_all(script.as_bytes());
     let output = child.wait_with_output()?;
     if !output.status.success() {
-        bail!("{} failed; does it have gymnasium[box2d]==1.4.0?", python.display());
+        let told = String::from_utf8_lossy(&output.stderr);
+        let reason = told.trim_end().lines().last().unwrap_or("it does not say why");
+        bail!(
+            "{} cannot fly Gymnasium's lander ({reason}); it needs gymnasium[box2d]==1.4.0",
+            python.display()
+        );
     }
     let report: serde_json::Value =
         serde_json::from_slice(&output.stdout).context("the script printed no JSON")?;

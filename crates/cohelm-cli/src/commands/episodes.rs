@@ -1,15 +1,16 @@
 //! `cohelm episodes`: what is stored.
 
+use super::fly::open_existing;
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use cohelm_server::hangar::Hangar;
-use cohelm_server::store::{Episode, Page, Progress, SqliteStore, Store};
+use cohelm_server::store::{Episode, Page, Progress, Store};
 use cohelm_server::verify_episodes;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 /// Lists stored episodes, newest first.
 #[derive(Args)]
@@ -18,7 +19,7 @@ pub struct Episodes {
     #[arg(long, default_value = "cohelm.db", value_name = "FILE")]
     database: PathBuf,
     /// Most episodes to list.
-    #[arg(long, default_value_t = 50)]
+    #[arg(long, default_value_t = 50, value_parser = whole::<u32>)]
     limit: u32,
     #[command(flatten)]
     format: Format,
@@ -29,8 +30,7 @@ impl Episodes {
     pub fn run(self) -> Result<ExitCode> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let episodes = runtime.block_on(async {
-            let store = SqliteStore::open_existing(&self.database).await;
-            let store = store.with_context(|| format!("the database {}", self.database.display()))?;
+            let store = open_existing(&self.database).await?;
             let episodes = store.episodes(Page::newest(self.limit)).await?;
             store.close().await;
             anyhow::Ok(episodes)
@@ -58,8 +58,7 @@ impl VerifyEpisodes {
     pub fn run(self) -> Result<ExitCode> {
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         let report = runtime.block_on(async {
-            let store = SqliteStore::open_existing(&self.database).await;
-            let store = Arc::new(store.with_context(|| format!("the database {}", self.database.display()))?);
+            let store = open_existing(&self.database).await?;
             let hangar = Hangar::new(rig::plants(), rig::models(&[])?, store.clone());
             let report = verify_episodes(&hangar).await?;
             store.close().await;

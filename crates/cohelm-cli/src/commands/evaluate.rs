@@ -1,5 +1,6 @@
 //! `cohelm evaluate`: how well the values fly when the goal is known.
 
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Result, bail};
@@ -24,13 +25,13 @@ pub struct Evaluate {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Fresh episodes to fly.
-    #[arg(long, default_value_t = 300)]
+    #[arg(long, default_value_t = 300, value_parser = whole::<usize>)]
     episodes: usize,
     /// Another seed names another set of episodes.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole::<u64>)]
     seed: u64,
     /// Threads; 0 for one a core.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole::<usize>)]
     threads: usize,
     #[command(flatten)]
     format: Format,

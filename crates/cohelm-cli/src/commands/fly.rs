@@ -1,8 +1,9 @@
 //! `cohelm fly`: the page, the co-pilot and the database, from one program.
 
+use crate::numbers::whole;
 use crate::output::say;
 use crate::{live, rig};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use cohelm_server::hosts::Hosts;
 use cohelm_server::page::Assets;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 #[derive(Args)]
 pub struct Fly {
     /// Port on this machine; 0 for any free one.
-    #[arg(long, default_value_t = 8080)]
+    #[arg(long, default_value_t = 8080, value_parser = whole::<u16>)]
     port: u16,
     /// Where flights are stored; made if it is not there.
     #[arg(long, default_value = "cohelm.db", value_name = "FILE")]
@@ -65,7 +66,12 @@ impl Fly {
 /// Opens the database of flights, or makes it.
 pub async fn open(database: &Path) -> Result<Arc<SqliteStore>> {
     let store = SqliteStore::open(database).await;
-    Ok(Arc::new(store.with_context(|| format!("the database {}", database.display()))?))
+    Ok(Arc::new(store?))
+}
+
+/// Opens a database of flights that must be there.
+pub async fn open_existing(database: &Path) -> Result<Arc<SqliteStore>> {
+    Ok(Arc::new(SqliteStore::open_existing(database).await?))
 }
 
 /// Done when somebody asks the program to end.

@@ -1,6 +1,7 @@
 //! `cohelm reproduce`: the paper's experiment with simulated pilots, from flights to report.
 
 use super::fly::open;
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
@@ -25,13 +26,13 @@ use std::time::Instant;
 #[derive(Args)]
 pub struct Reproduce {
     /// Fixes participants and episodes.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole::<u64>)]
     seed: u64,
     /// Simulated participants (the paper: 10 people).
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = whole::<usize>)]
     participants: usize,
     /// Episodes of each participant in each condition (the paper gives no count).
-    #[arg(long, default_value_t = 40)]
+    #[arg(long, default_value_t = 40, value_parser = whole::<usize>)]
     episodes: usize,
     /// Actions: switches (the paper's) or main-side.
     #[arg(long, default_value = "switches")]
@@ -49,7 +50,7 @@ pub struct Reproduce {
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Threads, which change nothing but the time; 0 for one a core.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole::<usize>)]
     threads: usize,
     #[command(flatten)]
     format: Format,

@@ -1,6 +1,8 @@
 //! `cohelm train`: a co-pilot from nothing, values first, then intent.
 
 use super::evaluate::threads;
+use super::fly::open_existing;
+use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
@@ -15,7 +17,7 @@ use cohelm_learn::{
     IntentOfPeople, IntentOptions, Job, Profile, Progress, RecordedFlight, TrainedIntent, TrainedValues,
     ValueOptions, train_intent, train_intent_from, train_values,
 };
-use cohelm_server::store::{Page, Progress as Flown, SqliteStore, Store, unpack};
+use cohelm_server::store::{Page, Progress as Flown, Store, unpack};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 use serde_json::json;
@@ -48,10 +50,10 @@ pub struct Train {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Fixes everything random: the same seed gives the same weights on one kind of CPU.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole::<u64>)]
     seed: u64,
     /// Threads, which change nothing but the time; 0 for one a core.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole::<usize>)]
     threads: usize,
     /// What the model is called; after the task unless given.
     #[arg(long)]
@@ -221,7 +223,8 @@ impl Train {
             );
         }
         if flights.is_empty() {
-            bail!("there is no finished flight of a person on {} in {:?}", job.task.plant, self.from);
+            let files: Vec<String> = self.from.iter().map(|file| file.display().to_string()).collect();
+            bail!("there is no finished flight of a person on {} in {}", job.task.plant, files.join(", "));
         }
         let recorded: Vec<RecordedFlight<'_>> = flights
             .iter()
@@ -314,8 +317,7 @@ fn show(bar: &ProgressBar, progress: &Progress) -> ControlFlow<()> {
 fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
-        let store = SqliteStore::open_existing(file).await;
-        let store = store.with_context(|| format!("the database {}", file.display()))?;
+        let store = open_existing(file).await?;
         let mut flights = Vec::new();
         let mut page = Page::newest(500);
         loop {

@@ -170,7 +170,7 @@ fn label(results: &Results<'_>, name: &str) -> String {
 }
 
 /// A measure and its table with the labels of the conditions, as sentences call them.
-fn labelled(results: &Results<'_>, key: &str, conditions: &[&str]) -> (&'static Measure, Table) {
+fn labelled(results: &Results<'_>, key: &str, conditions: &[&str]) -> (&'static Measure<'static>, Table) {
     let measure = measure(key).expect("the claims name defined measures");
     let table = results.table(key, conditions).expect("means of finite measures under different names").table;
     let labels = conditions.iter().map(|name| label(results, name)).collect();

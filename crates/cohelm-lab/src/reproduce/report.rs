@@ -146,7 +146,7 @@ fn facts(setting: &Setting<'_>) -> Vec<(String, String)> {
     ]
 }
 
-fn defined(key: &str) -> &'static Measure {
+fn defined(key: &str) -> &'static Measure<'static> {
     measure(key).expect("the report names defined measures")
 }
 

@@ -66,7 +66,7 @@ fn table(columns: &[Vec<Option<f64>>]) -> Outcome<Table> {
     Ok(Table::listwise(participants(), conditions, rows)?.table)
 }
 
-fn defined(key: &str) -> &'static Measure {
+fn defined(key: &str) -> &'static Measure<'static> {
     measure(key).unwrap_or(&measures::OF_AN_EPISODE[0])
 }
 

@@ -1,7 +1,7 @@
 //! Figures one can put into a talk, as SVG and PNG, with their data as CSV.
 //!
-//! Every figure is built from plain data by [`ByParticipant`], [`BoxPlot`], [`PairedSlopes`], [`Curves`] or
-//! [`ParetoScatter`], takes its colours from one [`Conditions`] for the whole study, and gives the same bytes on every
+//! Every figure is built from plain data by [`ByParticipant`], [`BoxPlot`], [`PairedSlopes`], [`Curves`], [`Flow`],
+//! [`Reliability`] or [`ParetoScatter`], takes its colours from one [`Conditions`] for the whole study, and gives the same bytes on every
 //! machine. It is drawn once, as a scene of lines, areas and texts, which is written as SVG and painted as PNG; the type is
 //! embedded. (A chart library was weighed: what these figures need beyond rectangles and lines, measured text above all,
 //! it leaves to its caller, and its box plots draw whiskers to fences where no data are.)
@@ -10,11 +10,13 @@ mod axis;
 mod box_plot;
 mod by_participant;
 mod curves;
+mod flow;
 mod font;
 mod frame;
 mod palette;
 mod pareto;
 mod png;
+mod reliability;
 mod scene;
 mod slopes;
 mod svg;
@@ -23,9 +25,11 @@ pub use axis::{Axis, Extent};
 pub use box_plot::BoxPlot;
 pub use by_participant::{ByParticipant, Panel};
 pub use curves::{Curve, CurvePanel, Curves};
+pub use flow::{Flow, Stage};
 pub use frame::Heading;
 pub use palette::{Colour, Condition, Conditions, Marker};
 pub use pareto::{Better, ParetoPoint, ParetoScatter};
+pub use reliability::{Bin, Reliability};
 pub use slopes::PairedSlopes;
 pub(crate) use svg::{escaped, font_faces};
 

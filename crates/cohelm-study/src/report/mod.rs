@@ -200,7 +200,7 @@ impl Block {
     }
 
     /// The definitions of measures.
-    pub fn measures<'a>(measures: impl IntoIterator<Item = &'a Measure>) -> Self {
+    pub fn measures<'a>(measures: impl IntoIterator<Item = &'a Measure<'a>>) -> Self {
         Block::Definitions(measures.into_iter().map(|m| (m.title(), measures::definition(m))).collect())
     }
 }

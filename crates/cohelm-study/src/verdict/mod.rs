@@ -81,7 +81,7 @@ pub struct Comparison<'a> {
     /// Every participant's value under every condition.
     pub table: &'a Table,
     /// What the values are.
-    pub measure: &'a Measure,
+    pub measure: &'a Measure<'a>,
     /// The condition that the claim is about.
     pub condition: &'a str,
     /// The one it is held against.

@@ -8,7 +8,7 @@ use crate::statistics::{
     Paired, RepeatedMeasures, Table, TableError, Undefined, effect_sizes, friedman, holm, interquartile_mean,
     one_way, paired_t, repeated_measures, tost, wilcoxon,
 };
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -40,7 +40,7 @@ pub struct Report {
     pub first_difference: Option<Difference>,
 }
 
-/// A number that is not as recorded.
+/// A number that is not as recorded. As JSON, `ours` is a number, or the sentence that says why there is none.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Difference {
     /// Index of the case in the file, from 0.
@@ -50,7 +50,15 @@ pub struct Difference {
     /// The recorded number.
     pub recorded: f64,
     /// Ours, or why there is none.
+    #[serde(serialize_with = "number_or_reason")]
     pub ours: Result<f64, Undefined>,
+}
+
+fn number_or_reason<S: Serializer>(ours: &Result<f64, Undefined>, to: S) -> Result<S::Ok, S::Error> {
+    match ours {
+        Ok(number) => to.serialize_f64(*number),
+        Err(why) => to.collect_str(why),
+    }
 }
 
 /// Why a file could not be compared.

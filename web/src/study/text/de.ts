@@ -7,7 +7,7 @@ const count = (many: number, one: string, more: string) => `${many} ${many === 1
 const CONTROLS: Record<string, string> = {
   left: 'links',
   right: 'rechts',
-  main: 'Haupttriebwerk',
+  main: 'Schub',
   up: 'hoch',
   down: 'runter',
 };
@@ -27,7 +27,6 @@ export const de: Words = {
   goOn: 'Weiter',
   back: 'Zurück',
   next: 'Weiter',
-  questions: 'Fragen?',
   askUs: (contact) => `Fragen? Schreiben Sie an ${contact}.`,
 
   withdraw: {
@@ -81,7 +80,6 @@ export const de: Words = {
     unsetHint: 'Klicken Sie auf die Linie',
     of: (value, most) => `${value} von ${most}`,
     charsLeft: (left) => `noch ${left} Zeichen`,
-    choose: 'Bitte wählen',
     problems: {
       missing: 'Bitte beantworten Sie diese Frage.',
       'wrong-kind': 'Diese Antwort lässt sich nicht lesen. Bitte geben Sie sie noch einmal.',
@@ -106,12 +104,10 @@ export const de: Words = {
     keysLabel: 'Eine Tastatur mit den Tasten, mit denen Sie fliegen',
     try: 'Drücken Sie die Tasten: Sie leuchten auf.',
     pad: 'Ein Gamepad geht auch: linker Stick, Kreuz und untere Taste.',
-    change: 'Tasten ändern',
-    ready: 'Fertig',
+    change: 'Ändern',
     usual: 'Übliche Tasten',
     press: 'Taste drücken …',
     changeFor: (control) => `Die Taste für „${control}“ ändern`,
-    taken: 'Diese Taste geht hier nicht.',
     or: 'oder',
     taskLabel: 'Was Sie sehen: oben das Fluggerät, den Boden und die Ziele; Ihres ist bernsteinfarben',
     craft: 'Ihr Fluggerät',
@@ -127,7 +123,6 @@ export const de: Words = {
       attempts === 1
         ? 'Etwas stimmt noch nicht. Bitte sehen Sie es noch einmal an; Sie haben noch einen Versuch.'
         : `Etwas stimmt noch nicht. Bitte sehen Sie es noch einmal an; Sie haben noch ${attempts} Versuche.`,
-    look: 'Noch einmal ansehen:',
   },
 
   block: {
@@ -154,7 +149,6 @@ export const de: Words = {
     back: (seconds) => `In ${count(seconds, 'Sekunde', 'Sekunden')} werden Sie zurückgeleitet.`,
     stay: 'Hier bleiben',
     close: 'Sie können diese Seite jetzt schließen.',
-    failed: 'Sie haben die Studie abgeschlossen.',
   },
 
   flightOf: {
@@ -205,6 +199,7 @@ export const de: Words = {
     canvas: 'Das Fluggerät, der Boden und die Ziele; Ihr eigenes ist markiert',
     tilt: 'Neigung',
     away: 'entfernt',
+    own: 'IHR ZIEL',
     ready: 'Bereit zum Flug',
     task: 'Kommen Sie an Ihrem Ziel zur Ruhe: dem bernsteinfarbenen mit ★.',
     start: 'Start',

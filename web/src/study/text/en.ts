@@ -5,7 +5,10 @@ import type { Problem } from '../steps';
 
 const count = (many: number, one: string, more: string) => `${many} ${many === 1 ? one : more}`;
 
-const flight: FlightWords = ENGLISH;
+/** What the plants call their controls in words of their own trade. */
+const CONTROLS: Record<string, string> = { main: 'thrust' };
+
+const flight: FlightWords = { ...ENGLISH, control: (name) => CONTROLS[name] ?? name };
 
 export const en = {
   name: 'English',
@@ -22,7 +25,6 @@ export const en = {
   goOn: 'Continue',
   back: 'Back',
   next: 'Next',
-  questions: 'Questions?',
   askUs: (contact: string) => `Questions? Write to ${contact}.`,
 
   withdraw: {
@@ -75,7 +77,6 @@ export const en = {
     unsetHint: 'Click on the line',
     of: (value: string, most: string) => `${value} of ${most}`,
     charsLeft: (left: number) => count(left, 'character left', 'characters left'),
-    choose: 'Please choose',
     problems: {
       missing: 'Please answer this question.',
       'wrong-kind': 'This answer cannot be read. Please give it again.',
@@ -100,12 +101,10 @@ export const en = {
     keysLabel: 'A keyboard with the keys that you fly with',
     try: 'Press the keys: they light up.',
     pad: 'A gamepad works as well: left stick, cross and lower button.',
-    change: 'Change keys',
-    ready: 'Done',
+    change: 'Change',
     usual: 'Usual keys',
     press: 'Press a key …',
     changeFor: (control: string) => `Change the key for “${control}”`,
-    taken: 'This key cannot be used here.',
     or: 'or',
     taskLabel: 'What you see: the craft at the top, the ground, and the goals; yours is amber',
     craft: 'your craft',
@@ -121,7 +120,6 @@ export const en = {
       attempts === 1
         ? 'Something is not right yet. Please look at it again; you have one more try.'
         : `Something is not right yet. Please look at it again; you have ${attempts} more tries.`,
-    look: 'Look again:',
   },
 
   block: {
@@ -148,7 +146,6 @@ export const en = {
     back: (seconds: number) => `You are taken back in ${count(seconds, 'second', 'seconds')}.`,
     stay: 'Stay here',
     close: 'You can close this page now.',
-    failed: 'You have completed the study.',
   },
 
   flightOf: {

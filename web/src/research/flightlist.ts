@@ -1,0 +1,100 @@
+// All flights of the study, the newest first.
+
+import { button, element, select } from '../dom';
+import { reasonOf, RULE_NAMES, sentence } from '../words';
+import { cell, table } from './bits';
+import type { DeskEpisode } from './deskapi';
+import * as api from './deskapi';
+import { outcome } from './person';
+import type { Desk, DeskView } from './place';
+import { clock, stepWords } from './says';
+
+const HEADS: [name: string, kind: string][] = [
+  ['', 'number'],
+  ['began', ''],
+  ['participant', ''],
+  ['step', ''],
+  ['rule', ''],
+  ['outcome', ''],
+  ['flown', 'number'],
+  ['seed', 'number'],
+];
+
+export class FlightListView implements DeskView {
+  readonly main = element('main', { class: 'people' });
+  private readonly rows: DeskEpisode[] = [];
+  private readonly body = element('div', { class: 'body' });
+  private readonly remark = element('p', { class: 'note', role: 'status' });
+  private readonly older = button('Older', { class: 'secondary', hidden: true }, () => void this.load());
+  private readonly who: HTMLElement;
+  private participant: number | null = null;
+  private next: number | null = null;
+
+  constructor(private readonly desk: Desk) {
+    const people = desk.feed.rows.map(({ id, code }): [string, string] => [String(id), code]);
+    this.who = select('participant', [['', 'everybody'], ...people], '', (chosen) => {
+      this.participant = chosen === '' ? null : Number(chosen);
+      this.begin();
+    });
+    const again = button('Refresh', { class: 'secondary' }, () => this.begin());
+    this.main.append(
+      element('div', { class: 'toolbar' }, this.who, this.remark, element('span', { class: 'spacer' }), again),
+      this.body,
+      this.older,
+    );
+    this.begin();
+  }
+
+  dispose(): void {}
+
+  private begin(): void {
+    this.rows.length = 0;
+    this.next = null;
+    void this.load();
+  }
+
+  private async load(): Promise<void> {
+    try {
+      const { episodes, next } = await api.episodes({
+        ...(this.participant === null ? {} : { participant: this.participant }),
+        ...(this.next === null ? {} : { before: this.next }),
+        limit: 100,
+      });
+      this.rows.push(...episodes);
+      this.next = next;
+      this.older.hidden = next === null;
+      this.remark.textContent = `${this.rows.length}${next === null ? '' : ' newest'}`;
+      this.body.replaceChildren(
+        table(
+          HEADS,
+          this.rows.map((row) => this.line(row)),
+          'Nothing was flown yet.',
+        ),
+      );
+    } catch (error) {
+      this.remark.textContent = sentence(`the flights could not be read: ${reasonOf(error)}`);
+    }
+  }
+
+  private line(episode: DeskEpisode): HTMLElement {
+    const { id, participant, step, setup, ticks, seed, started_at_ms } = episode;
+    const code = this.desk.feed.row(participant)?.code ?? '–';
+    const open = episode.state === 'finished';
+    const line = element(
+      'tr',
+      { class: open ? 'opens' : '' },
+      cell('number', open ? element('a', { href: `#/episodes/${id}` }, String(id)) : String(id)),
+      cell('', clock(started_at_ms, Date.now())),
+      cell('', element('a', { href: `#/people/${participant}` }, code)),
+      cell('', step === null ? '–' : stepWords(step)),
+      cell('', RULE_NAMES[setup.rule.rule]),
+      cell('', outcome(episode)),
+      cell('number', `${(ticks / 50).toFixed(1)} s`),
+      cell('number', String(seed)),
+    );
+    line.addEventListener('click', (event) => {
+      if (open && (event.target as Element).closest('a') === null) this.desk.go(`episodes/${id}`);
+    });
+    return line;
+  }
+}

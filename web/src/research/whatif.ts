@@ -1,0 +1,131 @@
+// The choices of a what-if: from which tick, under which rule, by what inference, who asks.
+
+import type { Hands, Inference, Rule, Setup, Wish } from '../core';
+import { button, element, select } from '../dom';
+import { RULE_NAMES } from '../words';
+
+/** Rules as they are offered; the record's own comes first. */
+const RULES: Rule[] = [
+  { rule: 'hic' },
+  { rule: 'lasc' },
+  { rule: 'misc' },
+  { rule: 'misc-r', kappa: 0.7 },
+  { rule: 'tolerance', alpha: 0.6 },
+  { rule: 'robot' },
+];
+const INFERENCES: [Inference, string][] = [
+  ['calibrated', 'calibrated'],
+  ['softmax', 'softmax'],
+  ['inverse-distance', 'inverse distance'],
+  ['nearest', 'nearest goal'],
+  ['known', 'told the goal'],
+];
+
+export function ruleWords({ rule, kappa, alpha }: Rule): string {
+  const number = kappa !== undefined ? ` κ ${kappa}` : alpha !== undefined ? ` α ${alpha}` : '';
+  return RULE_NAMES[rule] + number;
+}
+
+export function handsWords(hands: Hands): string {
+  switch (hands.pilot) {
+    case 'recorded':
+      return 'the recorded keys';
+    case 'nobody':
+      return 'nobody: keys let go';
+    case 'greedy':
+      return 'a pilot that knows the values';
+    case 'person':
+      return `simulated person, ${hands.population}`;
+  }
+}
+
+/** What there is to choose from. */
+export interface Ground {
+  /** The record's setup. */
+  setup: Setup;
+  /** The models of the record, or the usual ones of its task if it has none. */
+  models: { values: string | null; intent: string | null };
+  /** Who can take over. */
+  pilots: Hands[];
+}
+
+/** A bar with the choices; `changed` is called with a wish whenever one is chosen otherwise. */
+export class WhatIfBar {
+  readonly node = element('div', { class: 'what-if', role: 'group', 'aria-label': 'What if' });
+  private readonly from = element('output', {});
+  private readonly who = element('input', {
+    type: 'number',
+    min: '0',
+    max: '999',
+    value: '0',
+    'aria-label': 'Which of them',
+  });
+  private readonly whoLabel = element('label', {}, 'no.', this.who);
+  private at = 0;
+  private rule: Rule;
+  private inference: Inference;
+  private hands: Hands = { pilot: 'recorded' };
+
+  constructor(
+    private readonly ground: Ground,
+    private readonly changed: (wish: Wish) => void,
+    close: () => void,
+  ) {
+    const { setup, models, pilots } = ground;
+    this.inference = setup.inference;
+    const own = JSON.stringify(setup.rule);
+    const rules = [setup.rule, ...RULES.filter((rule) => JSON.stringify(rule) !== own)];
+    this.rule = rules.find(({ rule }) => rule !== setup.rule.rule && ['lasc', 'misc'].includes(rule)) ?? rules[1]!;
+    const network = (inference: Inference) => !['nearest', 'known'].includes(inference);
+    const inferences = INFERENCES.filter(
+      ([inference]) => inference === setup.inference || !network(inference) || models.intent !== null,
+    );
+    this.who.addEventListener('change', () => this.choose({}));
+    this.node.append(
+      element('b', {}, 'What if'),
+      element('span', {}, 'from ', this.from),
+      select(
+        'rule',
+        rules.map((rule, i) => [String(i), ruleWords(rule) + (i === 0 ? ' (as flown)' : '')]),
+        String(rules.indexOf(this.rule)),
+        (i) => this.choose({ rule: rules[Number(i)]! }),
+      ),
+      select('intent', inferences, setup.inference, (inference) => this.choose({ inference: inference as Inference })),
+      select(
+        'asks',
+        pilots.map((hands, i) => [String(i), handsWords(hands)]),
+        '0',
+        (i) => this.choose({ hands: pilots[Number(i)]! }),
+      ),
+      this.whoLabel,
+      element('span', { class: 'spacer' }),
+      button('✕', { class: 'secondary', 'aria-label': 'Leave the what-if' }, close),
+    );
+    this.show();
+  }
+
+  /** From that tick on. */
+  start(at: number): void {
+    this.at = at;
+    this.choose({});
+  }
+
+  private choose(change: { rule?: Rule; inference?: Inference; hands?: Hands }): void {
+    Object.assign(this, change);
+    this.show();
+    this.changed(this.wish());
+  }
+
+  private wish(): Wish {
+    const { at, rule, inference, hands } = this;
+    const { setup, models } = this.ground;
+    const person = Math.max(0, Math.min(999, Math.round(Number(this.who.value)) || 0));
+    const pilot = hands.pilot === 'person' ? { ...hands, person } : hands;
+    return { at, rule, inference, silence: setup.silence ?? 'best', ...models, pilot };
+  }
+
+  private show(): void {
+    this.whoLabel.hidden = this.hands.pilot !== 'person';
+    this.from.textContent = `tick ${this.at}`;
+  }
+}
