@@ -42,7 +42,7 @@ const TICK_S: f64 = 0.02;
 pub(crate) const LINK_M: f64 = 0.5;
 /// The hand's speed when it is asked for, m/s: somewhat above the 0.25 m/s that ISO 10218 calls reduced speed, so that
 /// hurrying is possible and costs something.
-const SPEED_MPS: f64 = 0.32;
+const SPEED_MPS: f64 = 0.28;
 /// How long the joints take to follow, s (first-order lag).
 const LAG_S: f64 = 0.14;
 /// Damping of the inverse near a stretched arm, m: less tracks better and turns faster, more is calmer.
@@ -63,10 +63,12 @@ pub(crate) const HAND_M: f64 = 0.055;
 const CUPS_AT_M: [f64; 2] = [0.62, 0.85];
 /// Least distance of two cups, m.
 const CUPS_APART_M: f64 = 0.22;
-/// The hand touches a cup within this distance of the middles, m.
+/// The hand can close around a cup within this distance of the middles, m.
 const TOUCH_M: f64 = CUP_M + HAND_M;
-/// Faster than this a touch knocks the cup over, m/s.
-const KNOCKS_MPS: f64 = 0.28;
+/// Within this distance the palm is at the cup, m.
+const PALM_M: f64 = 0.06;
+/// Faster than this the palm knocks the cup over, m/s.
+const KNOCKS_MPS: f64 = 0.26;
 /// Slower than this, touching, the hand may close, m/s.
 const RESTS_MPS: f64 = 0.12;
 /// For so many ticks it must rest: 0.16 s.
@@ -247,9 +249,10 @@ impl Arm {
         draws
     }
 
-    fn touches(&self) -> Option<usize> {
+    /// The cup that is nearer to the hand than this, m.
+    fn within(&self, reach: f64) -> Option<usize> {
         let hand = self.joints.hand_at();
-        self.cups.iter().position(|&cup| distance(hand, cup) <= TOUCH_M)
+        self.cups.iter().position(|&cup| distance(hand, cup) <= reach)
     }
 
     fn advance(&mut self) {
@@ -260,7 +263,7 @@ impl Arm {
         self.joints.shoulder += TICK_S * self.joints.turning[0];
         self.joints.elbow += TICK_S * self.joints.turning[1];
         self.tick += 1;
-        let rests = self.touches().is_some() && self.speed() < RESTS_MPS;
+        let rests = self.within(TOUCH_M).is_some() && self.speed() < RESTS_MPS;
         self.rested = if rests { self.rested + 1 } else { 0 };
     }
 
@@ -271,8 +274,10 @@ impl Arm {
 
     fn ending(&self) -> Option<Ending> {
         let late = (self.tick >= self.options.limit).then_some(Ending::TimeLimit);
-        match self.touches() {
-            Some(_) if self.speed() > KNOCKS_MPS => Some(Ending::Crash),
+        if self.within(PALM_M).is_some() && self.speed() > KNOCKS_MPS {
+            return Some(Ending::Crash);
+        }
+        match self.within(TOUCH_M) {
             Some(cup) if self.rested >= REST_TICKS && cup == self.wanted => Some(Ending::Goal),
             Some(_) if self.rested >= REST_TICKS => Some(Ending::Elsewhere),
             _ if self.joints.at_a_stop() => Some(Ending::OutOfBounds),
