@@ -58,13 +58,13 @@ const DRAG_PER_S: f64 = 0.25;
 /// Share of the spin that the air takes in a second.
 const SPIN_DRAG_PER_S: f64 = 0.8;
 /// Gusts push sideways: standard deviation, m/s².
-const GUST_MPS2: f64 = 0.5;
+const GUST_MPS2: f64 = 0.4;
 /// And last for about so long, s.
 const GUST_S: f64 = 1.5;
 /// Half the width of a pad, m.
-pub(crate) const PAD_HALF_WIDTH_M: f64 = 0.9;
+pub(crate) const PAD_HALF_WIDTH_M: f64 = 1.0;
 /// Least distance of the middles of two pads, m.
-const PADS_APART_M: f64 = 2.8;
+const PADS_APART_M: f64 = 3.0;
 /// Pads.
 const PADS: usize = 3;
 /// The feet, in the drone's frame, m.
@@ -72,11 +72,11 @@ const FEET_M: [[f64; 2]; 2] = [[-0.3, -0.25], [0.3, -0.25]];
 /// What else of it can touch something, m.
 const TIPS_M: [[f64; 2]; 2] = [[-0.6, 0.08], [0.6, 0.08]];
 /// A landing is gentle up to this vertical speed, m/s.
-const GENTLE_MPS: f64 = 1.2;
+const GENTLE_MPS: f64 = 1.5;
 /// And this sideways speed, m/s.
-const STRAIGHT_MPS: f64 = 0.8;
+const STRAIGHT_MPS: f64 = 1.0;
 /// And this tilt, rad.
-const UPRIGHT_RAD: f64 = 0.25;
+const UPRIGHT_RAD: f64 = 0.3;
 
 /// Half the width of the world is one unit of position, m.
 const UNIT_M: f64 = WIDTH_M / 2.0;
