@@ -25,6 +25,18 @@ all_verify() {
     jq --exit-status '.finished > 0 and .identical == .finished and .in_the_air == 0 and .refused == 0' "$scratch/verified"
 }
 
+# reported_elsewhere_alike ARCHIVE DATABASE: the archive of a study and its database give the same report, to the byte, each
+# in a folder of its own.
+reported_elsewhere_alike() {
+    local from
+    rm -rf "$scratch/from-1" "$scratch/from-2"
+    for from in 1 2; do
+        (mkdir "$scratch/from-$from" && cd "$scratch/from-$from" && cohelm study report "${!from}" --out report >said)
+    done
+    [[ -s $scratch/from-1/report/report.html ]]
+    diff --recursive "$scratch/from-1/report" "$scratch/from-2/report"
+}
+
 # measured NAME COMMAND...: runs a command that prints JSON, and keeps as docs/measured/NAME.json what it printed, with
 # date, machine and the seconds it took.
 measured() {
@@ -119,4 +131,20 @@ need_gymnasium() {
     python3 -m venv .venv
     .venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: --requirement tools/gymnasium.txt
     cp tools/gymnasium.txt .venv/gymnasium.txt
+}
+
+# need_package test|long: a Python of our own as $venv, with what python/requirements/$1.txt names and the wheel of these sources.
+need_package() {
+    need_program python3 python3 python3-venv
+    venv=$PWD/.tools/python-$1
+    if ! cat python/requirements/*.txt | cmp --silent - "$venv/requirements.txt"; then
+        python3 -c 'import ensurepip' || install_packages "the module venv of Python" python3-venv
+        rm -rf "$venv"
+        python3 -m venv "$venv"
+        "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: --requirement "python/requirements/$1.txt"
+        cat python/requirements/*.txt >"$venv/requirements.txt"
+    fi
+    CARGO_TARGET_DIR=$target/python "$venv/bin/maturin" build --quiet --locked --release \
+        --manifest-path python/Cargo.toml --out "$scratch/wheels"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps "$scratch"/wheels/*.whl
 }

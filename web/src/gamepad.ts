@@ -106,13 +106,13 @@ const CONFIRM = [0, 9];
 /** Says when a pad confirms something: one of two buttons went down. */
 export class PadConfirm {
   private held = true;
-  private readonly timer: number;
+  private readonly timer: ReturnType<typeof setInterval>;
 
   constructor(
     private readonly confirm: () => void,
     private readonly pads: () => (PadState | null)[] = () => [...(navigator.getGamepads?.() ?? [])],
   ) {
-    this.timer = window.setInterval(() => this.poll(), ASK_EVERY_MS);
+    this.timer = setInterval(() => this.poll(), ASK_EVERY_MS);
   }
 
   dispose(): void {

@@ -1,6 +1,6 @@
-import { describe, expect, it } from 'vitest';
+import { describe, expect, it, vi } from 'vitest';
 import type { Control } from '../src/core';
-import { pointing, PadListener, stickOf, type PadState } from '../src/gamepad';
+import { PadConfirm, pointing, PadListener, stickOf, type PadState } from '../src/gamepad';
 import { keyCap, KeyListener } from '../src/keys';
 
 const CONTROLS: Control[] = [
@@ -148,5 +148,24 @@ describe('a gamepad', () => {
     now = pad([-0.9, 0]);
     listener.poll(40);
     expect(said).toEqual(['down 1', 'down 0', 'up 1']);
+  });
+
+  it('confirms when its lower button or its start button goes down, not while one is held from before', () => {
+    vi.useFakeTimers();
+    let now = pad([0, 0], [0]);
+    const confirmed: boolean[] = [];
+    const listener = new PadConfirm(
+      () => confirmed.push(true),
+      () => [null, now],
+    );
+    const show = (...pressed: number[]) => {
+      now = pad([0, 0], pressed);
+      vi.advanceTimersByTime(100);
+      return confirmed.length;
+    };
+    expect([show(0), show(), show(0), show(0), show(3), show(9)]).toEqual([0, 0, 1, 1, 1, 2]);
+    listener.dispose();
+    expect([show(), show(0)]).toEqual([2, 2]);
+    vi.useRealTimers();
   });
 });

@@ -37,6 +37,8 @@ class Socket extends EventTarget {
     this.sent.push(bytes);
   }
 
+  close(): void {}
+
   open(): void {
     this.readyState = 1;
     this.dispatchEvent(new Event('open'));
@@ -79,7 +81,7 @@ class Socket extends EventTarget {
   }
 }
 
-function start() {
+function start(more: Partial<LinkEvents> = {}, ...place: [null?]) {
   const heard: string[] = [];
   const events: LinkEvents = {
     state: (connected, waiting) => heard.push(`${connected ? 'on' : 'off'} ${waiting}`),
@@ -87,8 +89,9 @@ function start() {
     welcome: (about) => heard.push(`welcome ${about.values}`),
     newModel: (hash) => heard.push(`model ${hash.slice(0, 4)}`),
     stored: (episode) => heard.push(`stored ${episode}`),
+    ...more,
   };
-  return { link: new Link('ws://here/ws', events), heard };
+  return { link: new Link('ws://here/ws', events, ...place), heard };
 }
 
 /** A flight of so many pieces of fifty ticks. */
@@ -236,5 +239,69 @@ describe('the link', () => {
     Socket.last.say(129, '{"cohelm":"0.1.0","format":1,"learning":true,"values":"ab"}');
     Socket.last.say(134, 'x'.repeat(32));
     expect(heard.slice(-2)).toEqual(['welcome ab', 'model 7878']);
+  });
+
+  it('begins under a key that was given, and says which flight was stored', () => {
+    const stored: string[] = [];
+    const { link } = start({ stored: (episode, key) => stored.push(`${episode} ${key}`) });
+    Socket.last.open();
+    link.begin(SETUP, { key: new Uint8Array(16).fill(0xab), begunAt: Date.now() - 5000 });
+    expect(Socket.last.key).toBe(String(new Uint8Array(16).fill(0xab)));
+    expect(new DataView(Socket.last.sent[0]!.buffer).getUint32(18, true)).toBe(5000);
+    link.chunk(0, 50, new Uint8Array(), DIGESTS);
+    link.end('goal');
+    Socket.last.begun(4n, 0);
+    Socket.last.finished(4n);
+    expect(stored).toEqual([`4 ${'ab'.repeat(16)}`]);
+  });
+
+  it('goes on with an unfinished flight from what is committed, whose pieces come from the first tick again', () => {
+    const { link } = start();
+    Socket.last.open();
+    link.begin(SETUP, { key: new Uint8Array(16) });
+    for (const from of [0, 50, 100]) link.chunk(from, from + 50, new Uint8Array(), DIGESTS);
+    Socket.last.begun(4n, 75);
+    link.chunk(150, 170, new Uint8Array(), DIGESTS);
+    expect(Socket.last.told).toEqual(['begin', '50-100', '100-150', '150-170']);
+  });
+
+  it('forgets a flight that is left, without ending it', () => {
+    const { link, heard } = start();
+    Socket.last.open();
+    link.begin(SETUP);
+    link.chunk(0, 50, new Uint8Array(), DIGESTS);
+    link.forget();
+    Socket.last.begun(4n, 0);
+    expect(Socket.last.told).toEqual(['begin']);
+    expect(heard.at(-1)).toBe('on 0');
+  });
+
+  it('keeps nothing where somebody else does', () => {
+    const first = start({}, null);
+    fly(first.link, 1);
+    start({}, null);
+    Socket.last.open();
+    expect(Socket.last.told).toEqual([]);
+  });
+
+  it('tells of a refusal by its key, if that is wanted', () => {
+    const refused: string[] = [];
+    const { link, heard } = start({ refused: (reason, key) => refused.push(`${key.slice(0, 4)} ${reason}`) });
+    Socket.last.open();
+    link.begin(SETUP, { key: new Uint8Array(16).fill(0x12) });
+    Socket.last.refused('not your flight');
+    expect(refused).toEqual(['1212 not your flight']);
+    expect(heard).not.toContain('The flight was not stored: not your flight');
+  });
+
+  it.each([4001, null])('stays away once another tab took over, or it was closed (%s)', (code) => {
+    const taken: boolean[] = [];
+    const { link } = start({ takenOver: () => taken.push(true) });
+    Socket.last.open();
+    if (code === null) link.close();
+    Socket.last.break(code ?? 1000);
+    vi.advanceTimersByTime(60_000);
+    expect(Socket.made.length).toBe(1);
+    expect(taken.length).toBe(code === null ? 0 : 1);
   });
 });

@@ -9,8 +9,6 @@ use cohelm_learn::{LiveLearner, LiveOptions};
 use cohelm_server::learn::{Learner, Lessons, kept};
 use cohelm_server::store::Store;
 
-/// The plant that values learn on while people fly.
-const PLANT: &str = "flag-lander";
 /// Fixes the learner's own flights and its batches.
 const SEED: u64 = 0;
 
@@ -19,12 +17,11 @@ struct Live {
     learner: LiveLearner,
 }
 
-/// A learner that goes on from the values that were kept last, or else from the shipped ones.
-pub async fn lessons(plants: &Plants, models: &Models, store: &dyn Store) -> Result<Lessons> {
-    let task = Task::new(PLANT);
-    let plant = plants.make(&task)?;
-    let shipped = rig::model_for(models, Kind::Values, &task, plant.space())?.clone();
-    let current = match kept(store, PLANT).await? {
+/// A learner of a task that goes on from the values that were kept last, or else from the shipped ones.
+pub async fn lessons(task: &Task, plants: &Plants, models: &Models, store: &dyn Store) -> Result<Lessons> {
+    let plant = plants.make(task)?;
+    let shipped = rig::model_for(models, Kind::Values, task, plant.space())?.clone();
+    let current = match kept(store, &task.plant).await? {
         Some(hash) => {
             let bytes =
                 store.model(&hash).await?.context("the values that were kept are not in the database")?;

@@ -29,6 +29,12 @@ enum Command {
     Evaluate(commands::evaluate::Evaluate),
     /// Reproduce the paper's experiment with simulated pilots.
     Reproduce(commands::reproduce::Reproduce),
+    /// Check, try, run and report a study with people.
+    #[command(subcommand)]
+    Study(commands::study::Study),
+    /// Run many small experiments: a grid of flights or trainings, here or on a Ray cluster.
+    #[command(subcommand)]
+    Sweep(commands::sweep::Sweep),
     /// List the stored episodes.
     Episodes(commands::episodes::Episodes),
     /// Hold something against what was recorded elsewhere.
@@ -47,6 +53,8 @@ fn main() -> ExitCode {
         Command::Train(train) => train.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
+        Command::Study(study) => study.run(),
+        Command::Sweep(sweep) => sweep.run(),
         Command::Episodes(episodes) => episodes.run(),
         Command::Verify(verify) => verify.run(),
         Command::Bench(bench) => bench.run(),

@@ -41,8 +41,18 @@ pub fn say(lines: &str) {
     }
 }
 
-/// Rows of cells as aligned columns; the first column to the left, the others to the right.
+/// Rows of cells as aligned columns; the first column to the left, the others, which hold numbers, to the right.
 pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+    columns(head, rows, 1)
+}
+
+/// The same for words: all columns to the left.
+pub fn words_table(head: &[&str], rows: &[Vec<String>]) -> String {
+    columns(head, rows, head.len())
+}
+
+/// Rows of cells as aligned columns, the first `left` of them to the left.
+fn columns(head: &[&str], rows: &[Vec<String>], left: usize) -> String {
     let columns = head.len();
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
@@ -52,7 +62,7 @@ pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: Vec<&str>| {
         let aligned = cells.iter().enumerate().map(|(column, cell)| {
             let padding = " ".repeat(widths[column] - cell.chars().count());
-            if column == 0 { format!("{cell}{padding}") } else { format!("{padding}{cell}") }
+            if column < left { format!("{cell}{padding}") } else { format!("{padding}{cell}") }
         });
         aligned.collect::<Vec<_>>().join("  ").trim_end().to_string()
     };
@@ -63,7 +73,17 @@ pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::table;
+    use super::{table, words_table};
+
+    #[test]
+    fn words_stand_to_the_left() {
+        let rows =
+            [vec!["a".to_string(), "one".into(), "x".into()], vec!["b".into(), "seven".into(), "y".into()]];
+        assert_eq!(
+            words_table(&["", "number", "z"], &rows),
+            "   number  z\n────────────\na  one     x\nb  seven   y"
+        );
+    }
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {

@@ -1,5 +1,5 @@
 #![forbid(unsafe_code)]
-//! Experiments with simulated pilots: evaluate a co-pilot, reproduce the paper.
+//! Experiments with simulated pilots: evaluate a co-pilot, reproduce the paper, sweep over a grid.
 //!
 //! Simulated pilots are models, never presented as people. Names no plant and no pilot of its own: whoever runs an
 //! experiment hands in how to make them. The same numbers come out for any number of threads.
@@ -10,3 +10,4 @@ pub mod parallel;
 pub mod reproduce;
 pub mod results;
 pub mod study;
+pub mod sweep;

@@ -4,6 +4,8 @@
 //! for any number of threads.
 
 mod tally;
+#[cfg(test)]
+mod tests;
 
 pub use tally::FlightTally;
 

@@ -239,6 +239,11 @@ impl GymnasiumLander {
         Outcome { observation: observation(&state), reward, ending }
     }
 
+    /// What the last tick, or the reset, showed.
+    pub fn observation(&self) -> Observation {
+        observation(&self.state())
+    }
+
     /// Ticks flown since the episode began.
     pub fn ticks(&self) -> u32 {
         self.ticks

@@ -97,6 +97,20 @@ impl GymnasiumPlant {
         Ok(Self { task, space: task.actions().space(), lander, engines: Engines::OFF, shown })
     }
 
+    /// A flight that somebody else flies, with what burnt in its last tick: for drawing it.
+    pub fn of(lander: GymnasiumLander, burning: Engines) -> Self {
+        let task = GymnasiumTask::default();
+        let mut plant = Self {
+            task,
+            space: task.actions().space(),
+            lander,
+            engines: burning,
+            shown: Observation::default(),
+        };
+        plant.shown = plant.lander.observation();
+        plant
+    }
+
     fn surface(&self) -> Surface {
         let heights = self.lander.heights();
         let spacing = WORLD_WIDTH / (heights.len() - 1) as f64;

@@ -72,6 +72,7 @@ async fn acknowledgements(store: Arc<dyn Store>, pages: u32, seconds: u32) -> Ou
         lessons: None,
         hosts: Hosts::loopback(),
         assets: Assets::embedded(),
+        study: None,
     };
     let listener = bind("127.0.0.1:0".parse()?).await?;
     let address = listener.local_addr()?;

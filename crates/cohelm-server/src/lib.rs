@@ -19,31 +19,42 @@
 //! | [`learn`] | values that learn while people fly |
 //! | [`page`] | the built page, inside the program |
 //! | [`hosts`] | who may talk to the server |
+//! | [`study`] | a study that is run: participants, their sessions, the researcher's desk |
+//! | [`secret`] | tokens, and the researcher's secret |
+//! | `cookies` | the participant's and the researcher's cookie |
+//! | [`limits`] | how often somebody may ask |
+//! | [`tls`] | TLS of the server's own |
 //! | `visit` | a participant without a browser, for dry runs and for measuring (feature `visit`) |
 //!
 //! It knows no plant and trains nothing; no request reaches the file system, and none makes it panic.
 #![forbid(unsafe_code)]
 
 pub mod app;
+mod cookies;
 pub mod follow;
 pub mod hangar;
 pub mod hosts;
 pub mod learn;
 mod lease;
+pub mod limits;
 pub mod page;
 pub mod protocol;
 pub mod recover;
+pub mod secret;
 pub mod serve;
 pub mod server;
 mod session;
 pub mod store;
+pub mod study;
 #[cfg(test)]
 mod testing;
+pub mod tls;
 pub mod verify;
 #[cfg(feature = "visit")]
 pub mod visit;
 
 pub use app::app;
-pub use serve::{bind, serve};
-pub use server::{Parts, Server};
+pub use serve::{bind, serve, serve_tls};
+pub use server::{Parts, Server, StartError};
+pub use study::StudyRun;
 pub use verify::verify_episodes;

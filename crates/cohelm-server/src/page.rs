@@ -9,6 +9,8 @@ const EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/page.in")
 /// What a browser asks for by itself, if the page brings none.
 const FAVICON: &[u8] = include_bytes!("page/favicon.svg");
 const NO_PAGE: &str = include_str!("page/not-built.html");
+/// What is read at the root of a server that runs a study, by whoever has no link.
+const WELCOME: &str = include_str!("page/welcome.html");
 
 /// The files of a page.
 #[derive(Clone, Debug)]
@@ -48,7 +50,8 @@ impl Assets {
             None if path == "/favicon.ico" => {
                 Some(Asset { path: "/favicon.svg", bytes: FAVICON, etag: etag(FAVICON) }.answer(headers))
             }
-            None if path == "/index.html" => {
+            None if path == "/welcome.html" => Some(Html(WELCOME).into_response()),
+            None if ["/index.html", "/study.html", "/research.html"].contains(&path) => {
                 Some((StatusCode::SERVICE_UNAVAILABLE, Html(NO_PAGE)).into_response())
             }
             None => None,

@@ -45,7 +45,7 @@ pub async fn recover(hangar: &Hangar, id: EpisodeId) -> Result<Trajectory, Recov
 }
 
 /// Ends the flights that began longer ago than this and were not taken up again: those that flew get their record,
-/// those that never flew a tick go. Gives how many of each. What cannot be flown here any more stays as it is.
+/// those that never flew a tick go. Flights of a study stay, since its participants may come back whenever they like. Gives how many of each. What cannot be flown here any more stays as it is.
 pub async fn end_interrupted(hangar: &Hangar, older_than: Duration) -> Result<(usize, usize), StoreError> {
     let began_before = now_ms().saturating_sub(i64::try_from(older_than.as_millis()).unwrap_or(i64::MAX));
     let (mut ended, mut forgotten) = (0, 0);
@@ -54,7 +54,9 @@ pub async fn end_interrupted(hangar: &Hangar, older_than: Duration) -> Result<(u
         let rows = hangar.store().episodes(page).await?;
         let Some(last) = rows.last() else { return Ok((ended, forgotten)) };
         page.before = Some(last.id);
-        let old = |row: &&Episode| row.progress == Progress::InTheAir && row.started_at_ms < began_before;
+        let old = |row: &&Episode| {
+            row.progress == Progress::InTheAir && row.started_at_ms < began_before && row.trial.is_none()
+        };
         for row in rows.iter().filter(old) {
             match end(hangar, row).await {
                 Ok(Write::Forget(_)) => forgotten += 1,

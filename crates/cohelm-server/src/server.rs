@@ -8,9 +8,10 @@ use crate::page::Assets;
 use crate::protocol::Welcome;
 use crate::recover::{PATIENCE, end_interrupted};
 use crate::store::{Origin, Store, StoreError, Write, Writer, now_ms};
+use crate::study::{Study, StudyRun, StudyStartError};
 use cohelm::registry::Plants;
 use cohelm::trajectory::FORMAT_VERSION;
-use cohelm_copilot::Models;
+use cohelm_copilot::{Model, Models, shipped};
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
 use tokio::task::JoinError;
@@ -34,6 +35,19 @@ pub struct Parts {
     pub hosts: Hosts,
     /// The built page.
     pub assets: Assets,
+    /// The study that is run, if one is.
+    pub study: Option<StudyRun>,
+}
+
+/// Why a server cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The database failed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The study cannot be run.
+    #[error(transparent)]
+    Study(#[from] StudyStartError),
 }
 
 /// The server's state; cheap to clone.
@@ -44,7 +58,8 @@ pub struct Server {
 
 struct Shared {
     writer: Writer,
-    hangar: Hangar,
+    hangar: Arc<Hangar>,
+    study: Option<Arc<Study>>,
     leases: Leases,
     learning: Option<Learning>,
     assets: Assets,
@@ -55,24 +70,34 @@ struct Shared {
     connections: TaskTracker,
 }
 
+/// Whether a model came with the program or from a file that somebody named.
+fn origin_of(model: &Model) -> Origin {
+    let is_shipped = shipped::FILES.iter().any(|(_, bytes)| *bytes == model.bytes());
+    if is_shipped { Origin::Shipped } else { Origin::Given }
+}
+
 impl Server {
     /// Stores the models and starts the writer and, if there is one, the learner. Needs a Tokio runtime.
-    pub async fn start(parts: Parts) -> Result<Self, StoreError> {
-        let Parts { store, plants, models, lessons, hosts, assets } = parts;
+    pub async fn start(parts: Parts) -> Result<Self, StartError> {
+        let Parts { store, plants, models, lessons, hosts, assets, study } = parts;
         let at_ms = now_ms();
-        let given =
-            models.iter().map(|model| Write::Model { model: model.clone(), origin: Origin::Shipped, at_ms });
-        store.commit(&given.collect::<Vec<_>>()).await?;
+        let keep = |model: &Model| Write::Model { model: model.clone(), origin: origin_of(model), at_ms };
+        store.commit(&models.iter().map(keep).collect::<Vec<_>>()).await?;
         let writer = Writer::start(store.clone());
         let learning = match lessons {
             Some(lessons) => Some(Learning::start(lessons, &store, writer.clone()).await?),
             None => None,
         };
-        let hangar = Hangar::new(plants, models, store);
+        let hangar = Arc::new(Hangar::new(plants, models, store));
         let (ended, forgotten) = end_interrupted(&hangar, PATIENCE).await?;
         tracing::info!(ended, forgotten, "old interrupted flights");
+        let study = match study {
+            Some(run) => Some(Arc::new(Study::start(run, hangar.clone(), writer.clone()).await?)),
+            None => None,
+        };
         let shared = Shared {
             hangar,
+            study,
             writer,
             leases: Leases::default(),
             learning,
@@ -104,6 +129,11 @@ impl Server {
     /// What learns, if anything does.
     pub fn learning(&self) -> Option<&Learning> {
         self.shared.learning.as_ref()
+    }
+
+    /// The study that is run, if one is.
+    pub(crate) fn study(&self) -> Option<&Arc<Study>> {
+        self.shared.study.as_ref()
     }
 
     pub(crate) fn leases(&self) -> &Leases {

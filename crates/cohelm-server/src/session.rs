@@ -8,8 +8,10 @@ mod flight;
 mod tests;
 
 use crate::lease::Lease;
+use crate::limits::{Bucket, OF_A_CONNECTION};
 use crate::protocol::{FromPage, ProtocolError, ToPage, cut};
 use crate::server::Server;
+use crate::study::flights::{Farewell, Passenger};
 use axum::extract::ws::{CloseFrame, Message};
 use flight::InTheAir;
 use futures_util::{Sink, SinkExt, Stream, StreamExt};
@@ -17,7 +19,7 @@ use std::convert::Infallible;
 use std::fmt::Display;
 use std::time::Duration;
 use tokio::sync::watch;
-use tokio::time::{Instant, Interval, interval, sleep_until, timeout};
+use tokio::time::{Instant, Interval, interval, sleep, sleep_until, timeout};
 
 /// How often a page is asked whether it is still there.
 const PING_EVERY: Duration = Duration::from_secs(15);
@@ -27,6 +29,9 @@ const SILENCE: Duration = Duration::from_secs(45);
 const SEND_WITHIN: Duration = Duration::from_secs(10);
 /// How long a page may take to answer a close.
 const CLOSE_WITHIN: Duration = Duration::from_secs(1);
+/// Codes of our own: another tab goes on; nothing more is taken in from this participant.
+const ANOTHER_TAB: u16 = 4001;
+const OVER: u16 = 4003;
 /// Most bytes of a close frame's reason (RFC 6455, section 5.5).
 const MAX_CLOSE_REASON: usize = 123;
 
@@ -57,6 +62,13 @@ impl Hangup {
     fn cannot_write(reason: impl Display) -> Self {
         Self::new(1011, reason)
     }
+
+    fn of(farewell: Farewell) -> Self {
+        match farewell {
+            Farewell::TakenOver => Self::new(ANOTHER_TAB, "the study goes on in another tab"),
+            Farewell::Over => Self::new(OVER, "the study is over for this participant"),
+        }
+    }
 }
 
 impl From<ProtocolError> for Hangup {
@@ -67,13 +79,18 @@ impl From<ProtocolError> for Hangup {
 }
 
 /// Talks with a page until one of the two goes. A flight that is in the air then can be taken up again.
-pub(crate) async fn converse<I, O, E>(server: &Server, mut incoming: I, mut outgoing: O)
-where
+/// In a study, `passenger` is the participant who flies.
+pub(crate) async fn converse<I, O, E>(
+    server: &Server,
+    passenger: Option<Passenger>,
+    mut incoming: I,
+    mut outgoing: O,
+) where
     I: Stream<Item = Result<Message, E>> + Unpin,
     O: Sink<Message> + Unpin,
     E: Display,
 {
-    let mut session = Session::new(server);
+    let mut session = Session::new(server, passenger);
     let Err(hangup) = session.talk(&mut incoming, &mut outgoing).await;
     tracing::info!(code = hangup.code, reason = hangup.reason, "connection ends");
     // Whoever waits to take the flight over need not wait for the farewell.
@@ -91,11 +108,14 @@ enum Event<E> {
     Ping,
     News(String),
     TakenOver,
+    MustLeave(Farewell),
     Closing,
 }
 
 struct Session<'a> {
     server: &'a Server,
+    passenger: Option<Passenger>,
+    allowance: Bucket,
     flight: Option<InTheAir>,
     /// The last flight was refused: pieces of it may still be on their way.
     ignoring: bool,
@@ -105,11 +125,12 @@ struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    fn new(server: &'a Server) -> Self {
+    fn new(server: &'a Server, passenger: Option<Passenger>) -> Self {
         let mut pings = interval(PING_EVERY);
         pings.reset();
         let news = server.news();
-        Self { server, flight: None, ignoring: false, news, heard: Instant::now(), pings }
+        let (allowance, heard) = (Bucket::new(OF_A_CONNECTION), Instant::now());
+        Self { server, passenger, allowance, flight: None, ignoring: false, news, heard, pings }
     }
 
     /// Ends with a hangup, whatever happens.
@@ -124,6 +145,10 @@ impl<'a> Session<'a> {
             match self.next_event(incoming).await {
                 Event::Frame(Ok(Message::Binary(bytes))) => {
                     self.heard = Instant::now();
+                    // Whoever sends too fast waits, and the page's socket fills up behind it.
+                    while let Err(wait) = self.allowance.take() {
+                        sleep(wait).await;
+                    }
                     if let Some(answer) = self.hear(&bytes).await? {
                         self.say(outgoing, answer).await?;
                     }
@@ -141,6 +166,7 @@ impl<'a> Session<'a> {
                     }
                 }
                 Event::TakenOver => return Err(Hangup::away("another connection went on with this flight")),
+                Event::MustLeave(farewell) => return Err(Hangup::of(farewell)),
                 Event::Closing => return Err(Hangup::away("the server stops; connect again later")),
             }
         }
@@ -154,6 +180,7 @@ impl<'a> Session<'a> {
             biased;
             () = self.server.closing().cancelled() => Event::Closing,
             () = taken_over(self.flight.as_ref().map(InTheAir::lease)) => Event::TakenOver,
+            farewell = must_leave(self.passenger.as_mut()) => Event::MustLeave(farewell),
             frame = incoming.next() => frame.map_or(Event::Gone, Event::Frame),
             values = news(self.news.as_mut()), if self.flight.is_none() => Event::News(values),
             _ = self.pings.tick() => Event::Ping,
@@ -166,19 +193,19 @@ impl<'a> Session<'a> {
         match (FromPage::from_bytes(bytes)?, self.flight.take()) {
             (FromPage::Begin(begin), before) => {
                 if let Some(before) = before {
-                    before.leave(self.server).await?;
+                    before.leave(self.server, self.passenger.as_ref()).await?;
                 }
-                let (flight, answer) = InTheAir::begin(self.server, begin).await?;
+                let (flight, answer) = InTheAir::begin(self.server, self.passenger.as_ref(), begin).await?;
                 (self.ignoring, self.flight) = (flight.is_none(), flight);
                 Ok(Some(answer))
             }
             (FromPage::Chunk(chunk), Some(flight)) => {
-                let (flight, answer) = flight.follow(self.server, chunk).await?;
+                let (flight, answer) = flight.follow(self.server, self.passenger.as_ref(), chunk).await?;
                 (self.ignoring, self.flight) = (flight.is_none(), flight);
                 Ok(Some(answer))
             }
             (FromPage::End(end), Some(flight)) => {
-                let answer = flight.land(self.server, end).await?;
+                let answer = flight.land(self.server, self.passenger.as_ref(), end).await?;
                 self.ignoring = matches!(answer, ToPage::Refused { .. });
                 Ok(Some(answer))
             }
@@ -206,6 +233,13 @@ impl<'a> Session<'a> {
                 Err(Hangup::away("another connection went on with this flight"))
             }
         }
+    }
+}
+
+async fn must_leave(passenger: Option<&mut Passenger>) -> Farewell {
+    match passenger {
+        Some(passenger) => passenger.must_leave().await,
+        None => std::future::pending().await,
     }
 }
 

@@ -8,8 +8,11 @@ mod backup;
 mod batch;
 #[cfg(test)]
 mod conformance;
+mod copy;
 mod driver;
 mod error;
+mod open;
+mod postgres;
 mod queries;
 mod record;
 mod rows;
@@ -20,6 +23,8 @@ mod writer;
 
 pub use archive::Archive;
 pub use error::StoreError;
+pub use open::{open, open_existing, restore};
+pub use postgres::PostgresStore;
 pub use record::{Record, unpack};
 pub use sqlite::SqliteStore;
 pub use study::{Participant, ParticipantId, StoredEvent, StoredStudy, Studies, TokenHash, Trial};

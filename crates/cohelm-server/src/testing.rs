@@ -164,7 +164,8 @@ impl Disk {
     pub async fn server_with(&self, lessons: Option<Lessons>, assets: Assets) -> Server {
         let store: Arc<dyn Store> = self.store.clone();
         let hosts = Hosts::loopback();
-        let parts = Parts { store, plants: plants(), models: Models::new(), lessons, hosts, assets };
+        let parts =
+            Parts { store, plants: plants(), models: Models::new(), lessons, hosts, assets, study: None };
         Server::start(parts).await.unwrap()
     }
 }

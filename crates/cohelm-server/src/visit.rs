@@ -3,14 +3,22 @@
 //! For dry runs of a study and for measuring a server. Its flights are flown by simulated people; what a questionnaire
 //! asks it leaves unanswered, since there is nobody to ask.
 
-pub mod aloft;
-pub mod line;
+mod aloft;
+mod desk;
+mod http;
+mod line;
 pub mod load;
+mod planned;
+mod session;
 #[cfg(test)]
 mod testing;
+mod visitor;
 
 pub use aloft::{Aloft, NoKeys};
+pub use desk::Desk;
 pub use line::Line;
+pub use planned::Planned;
+pub use visitor::{Heard, Manner, Pace, TakeOff, Visited, Visitor, Witness};
 
 use crate::protocol::{ProtocolError, ToPage};
 use std::net::SocketAddr;
@@ -47,7 +55,40 @@ pub enum VisitError {
         /// What came.
         said: ToPage,
     },
-    /// The pilot cannot fly as a participant.
-    #[error(transparent)]
-    NoKeys(#[from] NoKeys),
+    /// A request was answered with an error.
+    #[error("{what}: the server answers {status}: {reason}")]
+    Answer {
+        /// What was asked for.
+        what: String,
+        /// The code of the answer.
+        status: u16,
+        /// The server's words.
+        reason: String,
+    },
+    /// An answer that means nothing here.
+    #[error("the server's answer is not understood: {0}")]
+    Unclear(String),
+    /// The link belongs to a person.
+    #[error("participant {0} is not marked as simulated; no program may take the place of a person")]
+    NotSimulated(String),
+    /// No simulated person can fly this.
+    #[error("no simulated person can fly this: {0}")]
+    TakeOff(String),
+}
+
+impl VisitError {
+    /// True if the server may only be away for a moment.
+    fn is_absence(&self) -> bool {
+        match self {
+            Self::Connect { .. } | Self::Gone(_) | Self::Silence(_) => true,
+            Self::Answer { status, .. } => *status == 503,
+            _ => false,
+        }
+    }
+}
+
+/// The path of a link.
+fn path_of(link: &str) -> Option<String> {
+    let (_, rest) = link.split_once("://")?;
+    rest.find('/').map(|at| rest[at..].to_owned())
 }

@@ -268,7 +268,8 @@ impl Dataset {
     }
 
     fn has_people(&self) -> bool {
-        let took_part = |person: &Person| !matches!(person.progress, Progress::Invited);
+        // Of who withdrew not even this is left; and nobody has taken part by being invited or declining.
+        let took_part = |person: &Person| matches!(person.progress, Progress::UnderWay | Progress::Completed);
         self.participants.iter().any(|person| !person.simulated && !person.test && took_part(person))
     }
 

@@ -10,10 +10,12 @@ pub mod condition;
 mod defaults;
 pub mod error;
 pub mod estimate;
+pub mod explain;
 pub mod item;
 mod read;
 pub mod rules;
 pub mod schedule;
+pub mod schema;
 pub mod text;
 pub mod timeline;
 
@@ -65,7 +67,7 @@ pub struct Design {
     pub terrain: Terrain,
     /// What participants agree to.
     pub consent: Consent,
-    /// What they are told. Default: one page that explains the task and the keys.
+    /// What they are told. Default: two pages that explain the task and the keys.
     #[serde(default)]
     pub instructions: Instructions,
     /// What they are asked about themselves. Default: nothing.
@@ -82,7 +84,11 @@ pub struct Design {
     /// Questionnaires of this study's own, besides the built-in ones.
     #[serde(default)]
     pub questionnaires: Vec<Questionnaire>,
-    /// Read after everything else. Default: a sentence of thanks.
+    /// Read before each block's flights. Default: that the controls answer differently in each mode.
+    #[serde(default = "defaults::block_text")]
+    pub block_text: Words,
+    /// Read after everything else. Default: that this was
+    /// the last part, and whom to write to.
     #[serde(default = "defaults::debrief")]
     pub debrief: Words,
     /// What shows whether a participant attends. Default: nothing is asked.
@@ -180,7 +186,7 @@ pub struct Consent {
     pub version: String,
     /// The text: paragraphs, lists, bold, links to https addresses.
     pub text: Words,
-    /// How long the study takes, as participants are told. Default: as estimated.
+    /// How long the study takes, as participants are told. Default: as estimated, rounded up to five.
     pub minutes: Option<f64>,
 }
 
@@ -296,6 +302,12 @@ impl Design {
     /// Reads and checks a study's file.
     pub fn from_toml(text: &str) -> Result<Self, DesignError> {
         read::read(text)
+    }
+
+    /// Whether it can be flown with the plants and models there are. What a program has not, or what a plant refuses, is
+    /// told with its place in the file.
+    pub fn check_with(&self, catalogue: &dyn Catalogue) -> Result<PlantFacts, DesignError> {
+        read::check_with(self, catalogue)
     }
 
     /// SHA-256 of the file's bytes, in hexadecimal: names this version of the study.

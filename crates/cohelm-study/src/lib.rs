@@ -1,7 +1,8 @@
 #![forbid(unsafe_code)]
-//! What a study of shared control is, apart from running it: records, statistics, figures, reports.
+//! What a study of shared control is, apart from running it: designs, sessions, records, statistics, figures, reports.
 //!
-//! Knows no network, no async, no plant and no rule: it gets tables of numbers with names and says what they show.
+//! Knows no network, no async and no plant. What needs a plant or a model is asked of whoever has them
+//! ([`design::Catalogue`]); what was flown comes as tables of numbers with names.
 
 pub mod analysis;
 pub mod apa;

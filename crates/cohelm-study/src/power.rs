@@ -5,6 +5,8 @@
 //! participants, drawn anew with replacement. Deterministic: the same question and seed give the same answer on every
 //! machine.
 
+use crate::analysis::Quantity;
+use crate::dataset::Dataset;
 use crate::figures::{Axis, Conditions, Curve, CurvePanel, Curves, Extent, Figure, FigureError, Heading};
 use crate::report::{Align, Block, Document, Table};
 use crate::statistics::{Paired, Undefined, mean, paired_t, standard_deviation, wilcoxon};
@@ -35,6 +37,17 @@ pub enum Assumption {
         /// Under the second.
         second: Vec<f64>,
     },
+}
+
+impl Assumption {
+    /// What the participants of a data set show of a quantity in two conditions: for a dry run, simulated ones. Those with a
+    /// gap are left out.
+    pub fn of(dataset: &Dataset, quantity: &Quantity, first: usize, second: usize) -> Self {
+        let value = |person: usize, condition: usize| quantity.value(dataset, person, condition);
+        let pair = |person: usize| Some((value(person, first)?, value(person, second)?));
+        let (first, second) = dataset.analysed().into_iter().filter_map(pair).unzip();
+        Assumption::Simulated { first, second }
+    }
 }
 
 /// Which test will be carried out.
@@ -300,9 +313,11 @@ pub struct Answered<'a> {
 /// # Errors
 /// No curve.
 pub fn figure(answers: &[Answered<'_>]) -> Result<Figure, FigureError> {
+    // Of more points than get marks, since a target is no measurement.
+    const POINTS: usize = 16;
     let line = |target: f64, answer: &Answered<'_>| {
-        let ends = [FEWEST, answer.curve.question.most].map(|n| (n as f64, target));
-        Curve { condition: 1, points: ends.to_vec(), band: Vec::new() }
+        let at = |i: usize| (answer.curve.question.most as f64 * i as f64 / POINTS as f64, target);
+        Curve { condition: 1, points: (0..=POINTS).map(at).collect(), band: Vec::new() }
     };
     let panel = |answer: &Answered<'_>| {
         let points = &answer.curve.points;

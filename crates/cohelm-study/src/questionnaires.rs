@@ -125,3 +125,6 @@ impl Questionnaire {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

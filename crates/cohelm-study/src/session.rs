@@ -327,7 +327,7 @@ impl Session {
         Some(accept::filled_in(address, self.code(), &self.panel))
     }
 
-    /// Whether a step is a questionnaire, form or quiz whose answers may be analysed.
+    /// The forms, quizzes and questionnaires that are done, in order, each with its answers.
     pub fn answered(&self) -> impl Iterator<Item = (&Step, &Done)> {
         let asks = |kind: &StepKind| {
             matches!(kind, StepKind::Demographics | StepKind::Quiz | StepKind::Questionnaire { .. })
@@ -338,3 +338,6 @@ impl Session {
             .filter_map(|step| Some((step, self.done.get(&step.id)?)))
     }
 }
+
+#[cfg(test)]
+mod tests;

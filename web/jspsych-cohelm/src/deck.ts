@@ -2,6 +2,7 @@
 
 import { Core, type Setup } from '../../src/core';
 import { Link } from '../../src/link';
+import { fromHex } from '../../src/pending';
 import { Keeper } from './keeper';
 
 /** How a flight reached the server, or that it never will. */
@@ -17,18 +18,25 @@ export interface DeckOptions {
   place?: string | null;
   /** Where the flight in the air is kept. */
   keeper?: Keeper;
+  /** Names this tab to a server that lets one tab fly at a time. */
+  tab?: string;
   /** The connection came or went. */
   connected?: (connected: boolean) => void;
   /** Another tab of the same participant took over. */
   takenOver?: () => void;
 }
 
+/** Where what became of one flight is waited for. */
+interface Slot {
+  delivered: Promise<Delivery>;
+  deliver(delivery: Delivery): void;
+}
+
 /** Opened once a page. */
 export class Deck {
   readonly link: Link;
   readonly keeper: Keeper;
-  private readonly deliveries = new Map<string, Delivery>();
-  private readonly waiting = new Map<string, (delivery: Delivery) => void>();
+  private readonly slots = new Map<string, Slot>();
 
   private constructor(
     readonly core: Core,
@@ -36,6 +44,7 @@ export class Deck {
   ) {
     this.keeper = options.keeper ?? new Keeper();
     const address = new URL(`${options.server ?? location.origin}/ws`);
+    if (options.tab !== undefined) address.searchParams.set('tab', options.tab);
     address.protocol = address.protocol === 'https:' ? 'wss:' : 'ws:';
     this.link = new Link(
       address.href,
@@ -68,19 +77,28 @@ export class Deck {
     }
   }
 
+  /** A flight begins, or goes on under the key that it was begun with. */
+  begin(setup: Setup, key: string, begunAt: number): void {
+    this.slots.delete(key);
+    this.link.begin(setup, { key: fromHex(key), begunAt });
+  }
+
   /** When the server has the flight with this key, or refused it. */
   delivered(key: string): Promise<Delivery> {
-    const known = this.deliveries.get(key);
-    return known !== undefined
-      ? Promise.resolve(known)
-      : new Promise((resolve) => {
-          this.waiting.set(key, resolve);
-        });
+    return this.slot(key).delivered;
   }
 
   private deliver(key: string, delivery: Delivery): void {
-    this.deliveries.set(key, delivery);
-    this.waiting.get(key)?.(delivery);
-    this.waiting.delete(key);
+    this.slot(key).deliver(delivery);
+  }
+
+  private slot(key: string): Slot {
+    let slot = this.slots.get(key);
+    if (slot === undefined) {
+      let deliver: Slot['deliver'] = () => {};
+      slot = { delivered: new Promise((resolve) => (deliver = resolve)), deliver: (delivery) => deliver(delivery) };
+      this.slots.set(key, slot);
+    }
+    return slot;
   }
 }

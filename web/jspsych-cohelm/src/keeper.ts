@@ -11,6 +11,8 @@ export interface KeptFlight extends KeyLog {
   begunAt: number;
   /** When it was kept, ms since 1970. */
   keptAt: number;
+  /** Why the page was left, if that was seen. */
+  left?: string;
   measured: Measured;
 }
 

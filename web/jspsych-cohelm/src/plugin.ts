@@ -33,7 +33,7 @@ const info = {
     committed: { type: ParameterType.FUNCTION, default: () => Promise.resolve(null) },
     /** Facts about the page for the telemetry: clock, refresh rate, whether keys were remapped. */
     machine: { type: ParameterType.FUNCTION, default: () => ({ clock: null, refreshHz: null, remapped: false }) },
-    /** Told when the flight begins, is interrupted, goes on, and comes into the air or leaves it. */
+    /** Told when the flight begins, goes on after an interruption, and comes into the air or leaves it. */
     events: { type: ParameterType.OBJECT, default: {} },
     /** Given the flight's view, so that somebody else can hold it: `(show) => …`. */
     on_show: { type: ParameterType.FUNCTION, default: () => {} },

@@ -8,7 +8,6 @@ import { PadConfirm } from '../../src/gamepad';
 import { Hud } from '../../src/hud';
 import { keyCap, keyName } from '../../src/keys';
 import { Meter, type Measured } from '../../src/meter';
-import { fromHex } from '../../src/pending';
 import { toHex } from '../../src/protocol';
 import { keyEvents, type LoggedKey } from '../../src/record';
 import { Stage } from '../../src/stage';
@@ -49,10 +48,19 @@ export interface Plan {
 /** What happens on the way; a study notes it. */
 export interface PlanEvents {
   begun?(): void;
-  interrupted?(tick: number, reason: string): void;
-  resumed?(tick: number, source: Source, awayMs: number): void;
+  resumed?(back: ComeBack): void;
   /** The flight came into the air, or left it. */
   inTheAir?(flying: boolean): void;
+}
+
+/** A flight that goes on after an interruption. */
+export interface ComeBack {
+  /** Ticks flown before. */
+  tick: number;
+  /** Why it was interrupted, as far as that was seen. */
+  reason: string;
+  source: Source;
+  awayMs: number;
 }
 
 /** A flight that was flown. */
@@ -121,7 +129,7 @@ export class FlightShow {
   /** Lets go of everything; a flight in the air is kept and goes on later. */
   dispose(): void {
     if (this.over) return;
-    this.keep();
+    this.keep('another-tab');
     this.deck.link.forget();
     this.letGo();
   }
@@ -164,7 +172,13 @@ export class FlightShow {
       this.begunAt = kept?.begunAt ?? Date.now();
       this.makeReady(from !== null, kept?.measured);
       if (from === null) this.showReady();
-      else this.goOn(from.log, from.source, Date.now() - (kept?.keptAt ?? Date.now()));
+      else
+        this.goOn(from.log, {
+          tick: from.log.ticks,
+          reason: kept?.left ?? 'page-lost',
+          source: from.source,
+          awayMs: Math.max(Math.round(Date.now() - (kept?.keptAt ?? Date.now())), 0),
+        });
     } catch (error) {
       await this.failed(error);
     }
@@ -198,9 +212,9 @@ export class FlightShow {
   }
 
   /** Flies the log again and waits for the person. */
-  private goOn(log: KeyLog, source: Source, awayMs: number): void {
+  private goOn(log: KeyLog, back: ComeBack): void {
     const run = this.run!;
-    this.deck.link.begin(this.plan.setup, { key: fromHex(this.key), begunAt: this.begunAt });
+    this.announce();
     run.goOnFrom(log);
     this.showHud();
     if (run.isOver) return;
@@ -216,8 +230,8 @@ export class FlightShow {
           primary: true,
           press: () =>
             this.countDown(() => {
-              run.meter.cameBack(awayMs);
-              events.resumed?.(log.ticks, source, Math.max(Math.round(awayMs), 0));
+              run.meter.cameBack(back.awayMs);
+              events.resumed?.(back);
               this.start();
             }),
         },
@@ -243,15 +257,30 @@ export class FlightShow {
       'ready',
       heading === '' ? words.ready : heading,
       [element('p', {}, words.task), keys],
-      [{ label: words.start, key: '⏎', primary: true, press: () => this.countDown(() => this.takeOff()) }],
+      [{ label: words.start, key: '⏎', primary: true, press: () => this.begin() }],
     );
+  }
+
+  /** The server hears of it before the countdown, so that what is said of the flight is there when its log comes. */
+  private begin(): void {
+    this.plan.events.begun?.();
+    this.countDown(() => this.takeOff());
   }
 
   private takeOff(): void {
     this.begunAt = Date.now();
-    this.deck.link.begin(this.plan.setup, { key: fromHex(this.key), begunAt: this.begunAt });
-    this.plan.events.begun?.();
+    this.announce();
     this.start();
+  }
+
+  /** Begins the flight at the server; one that it refuses is not flown to its end. */
+  private announce(): void {
+    this.deck.begin(this.plan.setup, this.key, this.begunAt);
+    void this.deck.delivered(this.key).then((delivery) => {
+      if (!('refused' in delivery) || this.over || this.run?.isOver !== false) return;
+      this.hold();
+      void this.conclude('abandoned', delivery);
+    });
   }
 
   private start(): void {
@@ -317,42 +346,49 @@ export class FlightShow {
     this.keep();
   }
 
-  private keep(): void {
+  private keep(left?: string): void {
     const { run } = this;
-    if (run === null || this.over || this.isLeft || run.ticks === 0) return;
+    if (run === null || this.over || this.isLeft || run.isReady) return;
     try {
       const [log, measured] = [run.log(), run.measured()];
-      this.deck.keeper.keep(this.key, { ...log, begunAt: this.begunAt, keptAt: Date.now(), measured });
+      const why = left === undefined ? {} : { left };
+      this.deck.keeper.keep(this.key, { ...log, begunAt: this.begunAt, keptAt: Date.now(), ...why, measured });
     } catch {
       // The loop stopped; what was kept of the flight a moment ago is what it goes on from.
     }
   }
 
-  /** The page is being left: the last ticks are kept, and the server is told if it can be. */
+  /** The page is being left: the last ticks are kept. The server hears of it when the flight goes on. */
   private leave(): void {
     const { run } = this;
     if (run === null || run.isReady || run.isOver) return;
-    this.keep();
+    this.keep('page-left');
     this.isLeft = true;
     this.hold();
-    this.plan.events.interrupted?.(run.ticks, 'page-left');
   }
 
   private async ended(summary: FlightSummary): Promise<void> {
-    const { deck, plan, key } = this;
-    const run = this.run!;
+    const { deck, plan } = this;
     plan.events.inTheAir?.(false);
     deck.link.end(summary.ending);
     this.showHud();
     this.keep();
     const watched = wantsCalm() ? 0 : WATCH_ENDING_MS;
     await (plan.feedback ? this.showEnding(summary, watched) : pause(watched));
-    const delivery = await this.delivered();
-    if ('refused' in delivery && !this.over) await this.showRefused(delivery.refused);
+    await this.conclude(summary.ending, await this.delivered());
+  }
+
+  private async conclude(ending: Ending, delivery: Delivery): Promise<void> {
+    const run = this.run!;
+    if ('refused' in delivery && !this.over) {
+      await this.showRefused(delivery.refused);
+      this.deck.keeper.forget(this.key);
+    }
     if (this.over) return;
     this.letGo();
+    const { key } = this;
     const log = keyEvents(run.log().events);
-    this.finish({ key, ending: summary.ending, ticks: summary.ticks, log, measured: run.measured(), delivery });
+    this.finish({ key, ending, ticks: run.ticks, log, measured: run.measured(), delivery });
   }
 
   private showEnding(summary: FlightSummary, watched: number): Promise<void> {

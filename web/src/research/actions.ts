@@ -48,17 +48,21 @@ function open({ title, content, label, danger = false, ready = () => true, act }
 const field = (label: string, input: HTMLElement) => element('label', { class: 'field' }, label, input);
 const paragraph = (...words: (Node | string)[]) => element('p', {}, ...words);
 
+function linkRow(address: string): HTMLElement {
+  const shown = element('input', { readonly: true, value: address, class: 'link', 'aria-label': 'Link' });
+  shown.addEventListener('focus', () => shown.select());
+  return element('div', { class: 'link-row' }, shown, copyButton(address));
+}
+
 /** The link of a participant, which the server tells once. */
 function linkShown({ code, link }: api.Created): HTMLElement[] {
   const address = new URL(link, location.href).href;
-  const shown = element('input', { readonly: true, value: address, class: 'link', 'aria-label': 'Link' });
-  shown.addEventListener('focus', () => shown.select());
   return [
     paragraph(
       element('b', {}, code),
       ' has this link. It is shown only now: the server keeps no copy that it could show.',
     ),
-    element('div', { class: 'link-row' }, shown, copyButton(address)),
+    linkRow(address),
     element(
       'p',
       { class: 'note' },
@@ -67,7 +71,8 @@ function linkShown({ code, link }: api.Created): HTMLElement[] {
   ];
 }
 
-export function create(feed: Feed, languages: string[]): void {
+export function create(feed: Feed): void {
+  const { languages = [], open_link = null } = feed.study ?? {};
   const test = element('input', { type: 'checkbox' });
   const note = element('input', { maxlength: '500' });
   const choices = languages.map((language) => element('option', { value: language }, language));
@@ -77,6 +82,9 @@ export function create(feed: Feed, languages: string[]): void {
     content: [
       ...(languages.length > 1 ? [field('Language', language)] : []),
       field('Note (only the desk sees it)', note),
+      ...(open_link === null
+        ? []
+        : [paragraph('Anybody can join by the open link, and makes themselves a participant:'), linkRow(open_link)]),
       element('label', { class: 'check' }, test, 'A trial run of mine: it fills no cell and is in no result'),
     ],
     label: 'Make the link',

@@ -20,6 +20,17 @@ export function statusChip(status: Status): HTMLElement {
   return element('span', { class: 'status-chip', 'data-status': status }, element('i', {}, sign), word);
 }
 
+/** Status, and what the study's rules of exclusion have to say. */
+export function standing({ status, breaches, excluded }: Pick<Row, 'status' | 'breaches' | 'excluded'>): HTMLElement {
+  const chip = statusChip(status);
+  if (excluded !== null) chip.title = `${excluded.reason} (${excluded.by})`;
+  else if (breaches.length > 0 && status !== 'withdrawn') {
+    const title = `By the study’s rules this participant may have to be excluded: ${breaches.join('; ')}`;
+    chip.append(element('span', { class: 'breach', title }, '⚠'));
+  }
+  return chip;
+}
+
 /** What sets a row apart from people's: a trial of the experimenter's, or no person at all. */
 export function kindBadges({ test, simulated }: Pick<Row, 'test' | 'simulated'>): HTMLElement[] {
   const badge = (word: string, title: string) => element('span', { class: 'badge', title }, word);

@@ -26,7 +26,12 @@ export interface StudyReport {
   /** The design in words. */
   rows: [name: string, words: string][];
   cells: Cell[];
+  /** Where anybody can join, if the study lets them. */
+  open_link: string | null;
+  /** People by status, without tests and bots. */
   counts: Partial<Record<Status, number>>;
+  tests: number;
+  simulated: number;
 }
 
 /** A participant as the table has it. */
@@ -51,6 +56,9 @@ export interface Row {
   interruptions: number;
   endings: Partial<Record<Ending, number>>;
   notes: number;
+  /** Rules of exclusion that this participant meets, in words; the researcher decides. */
+  breaches: string[];
+  excluded: { reason: string; by: string } | null;
 }
 
 /** An event of a participant's log. */
@@ -62,8 +70,10 @@ export interface Logged {
 }
 
 export type DeskEpisode = EpisodeEntry & {
-  participant: number;
+  participant: number | null;
+  code: string | null;
   step: string | null;
+  condition: string | null;
 };
 
 export interface Created {

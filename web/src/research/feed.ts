@@ -5,6 +5,8 @@ import * as api from './deskapi';
 
 /** News come in bursts; the rows are asked for once a burst, ms. */
 const BURST_MS = 250;
+/** And not more often than this, ms: with hundreds in the air there is always news. */
+const LEAST_MS = 1_000;
 /** How often they are asked for without news, ms: what changes without an event, such as who is connected. */
 const USUALLY_MS = 5_000;
 
@@ -17,6 +19,7 @@ export class Feed {
   private readonly changed = new Set<number>();
   private source: EventSource | null = null;
   private timer = 0;
+  private askedAt = 0;
   private pulse = 0;
   private asking: Promise<void> | null = null;
   private next: Promise<void> | null = null;
@@ -63,6 +66,7 @@ export class Feed {
   }
 
   private async ask(): Promise<void> {
+    this.askedAt = performance.now();
     const changed = new Set(this.changed);
     this.changed.clear();
     try {
@@ -77,8 +81,12 @@ export class Feed {
 
   private heard(data: string): void {
     for (const id of idsIn(data)) this.changed.add(id);
-    clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => void this.refresh(), BURST_MS);
+    if (this.timer !== 0) return;
+    const wait = Math.max(BURST_MS, this.askedAt + LEAST_MS - performance.now());
+    this.timer = window.setTimeout(() => {
+      this.timer = 0;
+      void this.refresh();
+    }, wait);
   }
 }
 

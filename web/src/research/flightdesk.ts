@@ -21,6 +21,10 @@ import { momentWords, whatItSays } from './worth';
 
 /** Ticks shown before a branch, so that one sees how it came to it. */
 const RUN_UP_TICKS = 40;
+/** How many flights of one person are looked through for the one before and the one after. */
+const MOST_EPISODES = 1000;
+const isOver = ({ state }: api.DeskEpisode) => state === 'finished';
+
 interface Opened {
   core: Core;
   second: Core;
@@ -57,6 +61,11 @@ export class FlightDeskView implements DeskView {
     private readonly id: number,
   ) {
     window.addEventListener('resize', this.onResize);
+    for (const { strip } of [this.own, this.other]) {
+      strip.addEventListener('pointerdown', ({ offsetX }) =>
+        this.player.seek(Math.round((offsetX / strip.clientWidth) * (this.run?.length ?? 0))),
+      );
+    }
     this.main.append(element('p', { class: 'reading', role: 'status' }, 'Reading the record…'));
     void this.open().catch((error: unknown) => {
       const words = element('p', {}, sentence(reasonOf(error)));
@@ -137,14 +146,25 @@ export class FlightDeskView implements DeskView {
     );
   }
 
-  /** Whose flight it is; the list knows, the record does not. */
+  /** Whose flight it is, and which came before and after; the list knows, the record does not. */
   private async nameEpisode(): Promise<void> {
     const { episodes } = await api.episodes({ before: this.id + 1, limit: 1 });
     const row = episodes.find(({ id }) => id === this.id);
     if (row === undefined || this.gone) return;
-    const code = this.desk.feed.row(row.participant)?.code ?? '';
-    this.back = `people/${row.participant}`;
-    this.own.name(`${code} · ${row.step === null ? `episode ${this.id}` : stepWords(row.step)}`, `#/${this.back}`);
+    const { participant, step, code } = row;
+    if (participant === null) return;
+    this.back = `people/${participant}`;
+    this.own.name(`${code ?? ''} · ${step === null ? `episode ${this.id}` : stepWords(step)}`, `#/${this.back}`);
+    const all = (await api.episodes({ participant, limit: MOST_EPISODES })).episodes.filter(isOver);
+    const link = (to: number | undefined, words: string) =>
+      to === undefined ? [] : [element('a', { href: `#/episodes/${to}` }, words)];
+    const earlier = all.filter(({ id }) => id < this.id).map(({ id }) => id);
+    const later = all.filter(({ id }) => id > this.id).map(({ id }) => id);
+    const [before, after] = [
+      earlier.length > 0 ? Math.max(...earlier) : undefined,
+      later.length > 0 ? Math.min(...later) : undefined,
+    ];
+    if (!this.gone) this.own.lead(...link(before, '‹ flight before'), ...link(after, 'flight after ›'));
   }
 
   private start(screens: [Screen, ...Screen[]], at: number, play: boolean): void {

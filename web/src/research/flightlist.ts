@@ -14,6 +14,7 @@ const HEADS: [name: string, kind: string][] = [
   ['began', ''],
   ['participant', ''],
   ['step', ''],
+  ['condition', ''],
   ['rule', ''],
   ['outcome', ''],
   ['flown', 'number'],
@@ -77,16 +78,19 @@ export class FlightListView implements DeskView {
   }
 
   private line(episode: DeskEpisode): HTMLElement {
-    const { id, participant, step, setup, ticks, seed, started_at_ms } = episode;
-    const code = this.desk.feed.row(participant)?.code ?? '–';
+    const { id, participant, code, condition, step, setup, ticks, seed, started_at_ms } = episode;
     const open = episode.state === 'finished';
     const line = element(
       'tr',
       { class: open ? 'opens' : '' },
       cell('number', open ? element('a', { href: `#/episodes/${id}` }, String(id)) : String(id)),
       cell('', clock(started_at_ms, Date.now())),
-      cell('', element('a', { href: `#/people/${participant}` }, code)),
+      cell(
+        '',
+        participant === null ? '–' : element('a', { href: `#/people/${participant}` }, code ?? `${participant}`),
+      ),
       cell('', step === null ? '–' : stepWords(step)),
+      cell('', condition ?? '–'),
       cell('', RULE_NAMES[setup.rule.rule]),
       cell('', outcome(episode)),
       cell('number', `${(ticks / 50).toFixed(1)} s`),

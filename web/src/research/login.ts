@@ -23,7 +23,11 @@ export class LoginView implements DeskView {
       { class: 'sheet' },
       element('img', { src: '/favicon.svg', alt: '' }),
       element('h2', {}, 'The researcher’s desk'),
-      element('p', { class: 'note' }, 'The secret was set, or shown once, when the study was first started.'),
+      element(
+        'p',
+        { class: 'note' },
+        'The secret was printed when the study was started, or lies in the file that was named then.',
+      ),
       this.secret,
       enter,
       this.remark,

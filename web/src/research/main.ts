@@ -69,6 +69,8 @@ function show(desk: Desk): void {
     state.dataset['state'] = trouble === null ? 'on' : 'off';
     state.textContent = trouble === null ? 'live' : `not up to date: ${reasonOf(trouble)}`;
     title.textContent = study?.title ?? '';
+    const air = desk.feed.rows.filter((row) => row.in_air !== null).length;
+    document.title = `${air > 0 ? `▶ ${air} · ` : ''}${study?.name ?? 'cohelm'}: the desk`;
     title.title = `${study?.name ?? ''}, ${study?.hash ?? ''}`;
   };
   desk.feed.listen(tell);

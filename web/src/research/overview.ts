@@ -176,6 +176,7 @@ function tally(study: StudyReport, rows: Row[]): HTMLElement[] {
     number(air, 'in the air', 'air', '▶'),
     number(here, 'connected', 'connected', '◆'),
     ...STATUSES.map((status) => number(study.counts[status] ?? 0, STATUS[status].word, status, STATUS[status].sign)),
+    number(study.tests + study.simulated, 'tests and bots, not counted', 'others', '⚙'),
   ];
 }
 

@@ -5,6 +5,9 @@ import type { Recording } from '../replay';
 import { Stage } from '../stage';
 import { MEANINGFUL_S, type Branch } from './branching';
 
+/** What the picture says to somebody who looks on. */
+export const AT_THE_DESK = { away: 'away', own: 'THEIR GOAL' };
+
 /** A stage with its title, and the strip of what happened on it. */
 export class Panel {
   readonly strip = element('canvas', { class: 'strip', 'aria-hidden': 'true' });
@@ -13,13 +16,14 @@ export class Panel {
   private readonly title = element('div', { class: 'title' });
   private readonly head = element('b', {});
   private readonly words = element('div', { class: 'words' });
+  private readonly links = element('div', { class: 'links' });
   private readonly now = element('div', { class: 'moment' });
 
   constructor(readonly what: string) {
     const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': `The flight, ${what}` });
     const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
-    this.stage = new Stage(back, canvas);
-    this.title.append(this.head, this.words);
+    this.stage = new Stage(back, canvas, AT_THE_DESK);
+    this.title.append(this.head, this.words, this.links);
     this.node = element('div', { class: 'stage', 'data-what': what }, back, canvas, this.title, this.now);
   }
 
@@ -30,6 +34,10 @@ export class Panel {
 
   name(words: string, to: string | null): void {
     this.head.replaceChildren(to === null ? words : element('a', { href: to }, words));
+  }
+
+  lead(...links: HTMLElement[]): void {
+    this.links.replaceChildren(...links);
   }
 
   say(...words: HTMLElement[]): void {

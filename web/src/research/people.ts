@@ -2,7 +2,7 @@
 
 import { button, element, select } from '../dom';
 import * as actions from './actions';
-import { cell, endingSigns, kindBadges, lateSparkline, placeBar, refill, statusChip, table } from './bits';
+import { cell, endingSigns, kindBadges, lateSparkline, placeBar, refill, standing, table } from './bits';
 import type { Row } from './deskapi';
 import type { Desk, DeskView } from './place';
 import { filtered, type Filter } from './roll';
@@ -28,6 +28,8 @@ export class PeopleView implements DeskView {
   private readonly filter: Filter = { code: '', status: 'all', others: true };
   private readonly body = element('div', { class: 'body' });
   private readonly count = element('span', { class: 'note' });
+  /** Lines that were made, by participant, and of what: with hundreds of rows few change at a time. */
+  private readonly lines = new Map<number, { of: string; line: HTMLElement }>();
   private readonly deaf: () => void;
 
   constructor(private readonly desk: Desk) {
@@ -59,12 +61,8 @@ export class PeopleView implements DeskView {
       element('label', {}, others, 'tests and bots'),
       this.count,
       element('span', { class: 'spacer' }),
-      button('New participant…', { class: 'primary' }, () => actions.create(this.desk.feed, this.languages())),
+      button('New participant…', { class: 'primary' }, () => actions.create(this.desk.feed)),
     );
-  }
-
-  private languages(): string[] {
-    return this.desk.feed.study?.languages ?? [];
   }
 
   private change(change: Partial<Filter>): void {
@@ -81,11 +79,20 @@ export class PeopleView implements DeskView {
       this.body,
       table(
         HEADS,
-        shown.map((row) => this.line(row)),
+        shown.map((row) => this.lineOf(row)),
         empty,
         { class: 'people-table' },
       ),
     );
+  }
+
+  private lineOf(row: Row): HTMLElement {
+    const of = JSON.stringify([row, row.last_seen_ms === null ? '' : ago(row.last_seen_ms, Date.now())]);
+    const known = this.lines.get(row.id);
+    if (known?.of === of) return known.line;
+    const line = this.line(row);
+    this.lines.set(row.id, { of, line });
+    return line;
   }
 
   private line(row: Row): HTMLElement {
@@ -93,7 +100,7 @@ export class PeopleView implements DeskView {
       'tr',
       { class: 'opens' },
       cell('code', element('a', { href: `#/people/${row.id}` }, row.code), ...kindBadges(row)),
-      cell('', statusChip(row.status)),
+      cell('', standing(row)),
       cell('number', row.cell === null ? '–' : String(row.cell + 1)),
       cell('wide', placeBar(row)),
       cell('', conditionNow(row)),

@@ -3,13 +3,15 @@
 import { element } from '../dom';
 import { say } from '../message';
 import { ENDING_WORDS, reasonOf } from '../words';
-import { cell, kindBadges, lateSparkline, placeBar, saveLink, section, statusChip, table } from './bits';
+import { cell, kindBadges, lateSparkline, placeBar, saveLink, section, standing, table } from './bits';
 import type { DeskEpisode, Logged, Row } from './deskapi';
 import * as api from './deskapi';
 import { connection, menu } from './people';
 import type { Desk, DeskView } from './place';
 import { ago, clock, eventWords, stepWords } from './says';
 
+/** Steps that ask for answers. */
+const FORMS = /^demographics$|(^|\/)questionnaire\//;
 /** How many flights of one person are listed. */
 const MOST_EPISODES = 1000;
 
@@ -74,12 +76,14 @@ export class PersonView implements DeskView {
     return [
       element('a', { href: '#/people', class: 'back' }, '← Participants'),
       element('h2', {}, row.code, ...kindBadges(row)),
-      statusChip(row.status),
+      standing(row),
       fact('place', placeBar(row)),
       fact('cell', row.cell === null ? '–' : String(row.cell + 1)),
       fact('order', element('span', { class: 'order' }, ...order)),
       fact('connection', connection(row)),
       fact('late ticks', lateSparkline(row.late_ticks)),
+      ...(row.excluded === null ? [] : [fact('excluded', row.excluded.reason)]),
+      ...(row.breaches.length === 0 ? [] : [fact('meets a rule of exclusion', row.breaches.join('; '))]),
       element('span', { class: 'spacer' }),
       menu(this.desk, row),
     ];
@@ -140,7 +144,8 @@ export function outcome(episode: DeskEpisode): HTMLElement {
 export function answersTable(events: Logged[]): HTMLElement {
   const forms = events.flatMap((event) => {
     const data = event['data'];
-    if (event.event !== 'step-done' || typeof data !== 'object' || data === null) return [];
+    if (event.event !== 'step-done' || !FORMS.test(String(event['step']))) return [];
+    if (typeof data !== 'object' || data === null) return [];
     const values = Object.values(answersOf(data as Record<string, unknown>));
     return values.length === 0 ? [] : [{ event, values }];
   });

@@ -8,6 +8,7 @@ import { Stage } from '../stage';
 import { ENDING_WORDS, reasonOf, RULE_NAMES, sentence } from '../words';
 import { kindBadges } from './bits';
 import { Following } from './following';
+import { AT_THE_DESK } from './panel';
 import type { Desk, DeskView } from './place';
 import { Playback } from './playback';
 import { stepWords } from './says';
@@ -22,16 +23,18 @@ export class WatchView implements DeskView {
   private readonly back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
   private readonly title = element('div', { class: 'title' });
   private readonly live = element('div', { class: 'live', role: 'status' });
-  private readonly stage = new Stage(this.back, this.canvas);
+  private readonly stage = new Stage(this.back, this.canvas, AT_THE_DESK);
   private readonly deaf: () => void;
   private socket: WebSocket | null = null;
-  private flight: { key: string; following: Following; playback: Playback; noted: number; over: boolean } | null = null;
+  private flight: { of: string; following: Following; playback: Playback; noted: number; over: boolean } | null = null;
   /** Messages are taken in one after the other: the first may have to wait for its models. */
   private turn: Promise<void> = Promise.resolve();
   private frame = 0;
   private timer = 0;
   private gone = false;
   private connected = false;
+  /** Nothing was heard over this connection yet. */
+  private fresh = true;
 
   constructor(
     private readonly desk: Desk,
@@ -59,7 +62,10 @@ export class WatchView implements DeskView {
       `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws/desk/watch/${this.id}`,
     );
     socket.binaryType = 'arraybuffer';
-    socket.addEventListener('open', () => (this.connected = true));
+    socket.addEventListener('open', () => {
+      this.connected = true;
+      this.fresh = true;
+    });
     socket.addEventListener('message', ({ data }) => {
       if (data instanceof ArrayBuffer) this.hear(new Uint8Array(data));
     });
@@ -98,15 +104,19 @@ export class WatchView implements DeskView {
     }
   }
 
-  private async begin({ key, setup }: FromPage & { kind: 'begin' }): Promise<void> {
-    if (this.flight?.key === key) return;
+  private async begin({ setup }: FromPage & { kind: 'begin' }): Promise<void> {
+    const of = JSON.stringify(setup);
+    // Whoever was connected anew gets the flight from its first tick: what is there already goes on.
+    const again = this.fresh && this.flight?.of === of && this.flight.following.ending === null;
+    this.fresh = false;
+    if (again) return;
     const { core, hangar } = await this.desk.loop();
     await hangar.equip(core, [setup.values, setup.intent]);
     if (this.gone) return;
     const following = new Following(core, setup);
     const { opening } = following;
     const playback = new Playback(opening.ticks_per_second * setup.time_scale);
-    this.flight = { key, following, playback, noted: 0, over: false };
+    this.flight = { of, following, playback, noted: 0, over: false };
     this.stage.show(opening.scene, opening.pilot_goal, setup.seed, opening.ticks_per_second);
     this.overlay.begin(setup.rule, opening.pilot_goal, opening.goals, []);
     this.showTitle();
@@ -170,6 +180,7 @@ function liveWords(
     const { sign, word } = ENDING_WORDS[following.ending ?? 'abandoned'];
     return { state: 'over', words: `${sign} ${word} · ${exact}` };
   }
+  if (following.ticks.length === 0) return { state: 'waits', words: 'Taking off…' };
   if (playback.waits) return { state: 'waits', words: `Waiting: the flight is paused, or its log is late · ${exact}` };
   return { state: 'live', words: `live, ${playback.behind_s(now).toFixed(1)} s behind · ${exact}` };
 }

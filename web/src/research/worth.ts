@@ -14,7 +14,7 @@ function sinceBranch({ wish, opening }: Branch, position: number): number {
 
 /** What the moment shown is worth. */
 export function momentWords(branch: Branch, position: number): { words: string; state: string } {
-  const since = sinceBranch(branch, position);
+  const since = sinceBranch(branch, Math.min(position, branch.length));
   if (since <= 0) return { words: 'as recorded', state: 'recorded' };
   const at = `+${since.toFixed(2)} s`;
   if (branch.wish.pilot.pilot !== 'recorded') return { words: `${at}, simulated pilot`, state: 'fresh' };

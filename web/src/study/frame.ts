@@ -67,6 +67,7 @@ export class Frame {
   /** Takes away what only makes sense while the study goes on. */
   end(): void {
     this.out.hidden = true;
+    this.dot.classList.add('over');
     this.languages.hidden = true;
     this.says.textContent = '';
     this.bar.hidden = true;
@@ -84,7 +85,7 @@ export class Frame {
     this.dot.hidden = false;
     this.dot.dataset['state'] = connected ? 'on' : 'off';
     this.dot.textContent = connected ? '' : this.words.offline;
-    this.dot.title = connected ? this.words.connected : this.words.offline;
+    this.dot.title = connected ? this.words.connected : this.words.offlineText;
   }
 
   /** Says over everything that the server is away, while something waits for it. */

@@ -13,7 +13,14 @@ export function isUsable(code: string): boolean {
 
 /** Chosen keys by the names of controls. */
 export class KeyChoice {
-  private chosen: Record<string, string> = load();
+  private readonly place: string;
+  private chosen: Record<string, string>;
+
+  /** Of one participant: who uses this browser after them begins with the plant's keys. */
+  constructor(participant: string) {
+    this.place = `${PLACE}.${participant}`;
+    this.chosen = load(this.place);
+  }
 
   /** The controls with the keys that were chosen; a key that was given to another control is lost to its first. */
   readonly bind = (controls: Control[]): Control[] => {
@@ -43,19 +50,19 @@ export class KeyChoice {
     );
     this.chosen[name] = code;
     if (loser !== undefined && before !== undefined) this.chosen[loser.name] = before;
-    save(this.chosen);
+    save(this.place, this.chosen);
   }
 
   /** Back to the plant's keys. */
   reset(): void {
     this.chosen = {};
-    save(this.chosen);
+    save(this.place, this.chosen);
   }
 }
 
-function load(): Record<string, string> {
+function load(place: string): Record<string, string> {
   try {
-    const kept = JSON.parse(localStorage.getItem(PLACE) ?? '{}') as Record<string, unknown>;
+    const kept = JSON.parse(localStorage.getItem(place) ?? '{}') as Record<string, unknown>;
     return Object.fromEntries(
       Object.entries(kept).filter(
         (entry): entry is [string, string] => typeof entry[1] === 'string' && isUsable(entry[1]),
@@ -66,9 +73,9 @@ function load(): Record<string, string> {
   }
 }
 
-function save(chosen: Record<string, string>): void {
+function save(place: string, chosen: Record<string, string>): void {
   try {
-    localStorage.setItem(PLACE, JSON.stringify(chosen));
+    localStorage.setItem(place, JSON.stringify(chosen));
   } catch {
     // Then they hold for this visit.
   }

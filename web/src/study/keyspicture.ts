@@ -164,7 +164,7 @@ function drawnKey({ code, x, y, width }: Place, bound: Control[], layout: Layout
   group.append(letter);
   if (isNamed) {
     const name = svg('text', { x: middle, y: top + 33, class: 'name' });
-    const text = words.flight.control(control.name);
+    const text = words.instructions.short(control.name);
     name.textContent = text.length > 8 && width === 1 ? `${text.slice(0, 6)}…` : text;
     group.append(name);
   }

@@ -7,7 +7,7 @@ import { Deck, Keeper, type FlightShow } from '../../jspsych-cohelm/src';
 import { element } from '../dom';
 import { Frame, showState } from './frame';
 import { KeyChoice } from './keychoice';
-import { refreshRate } from './pace';
+import { refreshRate } from './refresh';
 import { Place, SessionClosed, type Closed } from './place';
 import type { Session } from './steps';
 import type { Study } from './study';
@@ -51,11 +51,12 @@ class Page {
     this.deck = await Deck.open({
       place: null,
       keeper: new Keeper(),
+      tab: this.place.tab,
       connected: (connected) => this.frame.connected(connected),
       takenOver: () => this.place.close('taken-over'),
     });
     const { deck, place, words, frame } = this;
-    const keys = new KeyChoice();
+    const keys = new KeyChoice(place.session.participant.code);
     const study: Study = { place, words, deck, keys, refreshHz, inTheAir: (flying) => frame.fly(flying) };
     const display = element('div', { class: 'display' });
     frame.main.replaceChildren(display);
@@ -71,12 +72,17 @@ class Page {
 
   /** Says how the study ended, if nothing of it remains. */
   private hasEnded(): boolean {
-    const { status, steps } = this.place.session;
+    const { status, steps, return_address } = this.place.session;
     if (steps.length > 0) return false;
     const how = status === 'declined' || status === 'withdrawn' || status === 'excluded' ? status : 'completed';
     this.frame.end();
     this.deck?.link.close();
-    showState(this.frame.main, how, this.words.states[how]);
+    const { words } = this;
+    if (return_address == null) showState(this.frame.main, how, words.states[how]);
+    else {
+      const state = { ...words.states[how], again: words.states.back };
+      showState(this.frame.main, how, state, () => location.assign(return_address));
+    }
     return true;
   }
 

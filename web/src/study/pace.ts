@@ -3,6 +3,7 @@
 import type { Core, Setup } from '../core';
 import { FlightRun } from '../flight';
 import { Stage } from '../stage';
+import { refreshRate } from './refresh';
 
 /** How long is measured, ms. */
 const DURATION_MS = 5000;
@@ -63,24 +64,4 @@ function flight(core: Core, setup: Setup, stage: Stage, pace: Pace): Promise<voi
     );
     run.start();
   });
-}
-
-/** Frames a second that the display shows: by the median time between two. */
-export function refreshRate(durationMs: number): Promise<number> {
-  return new Promise((resolve) => {
-    const times: number[] = [];
-    const note = (now: number) => {
-      times.push(now);
-      if (now - times[0]! < durationMs) requestAnimationFrame(note);
-      else resolve(rateOf(times));
-    };
-    requestAnimationFrame(note);
-  });
-}
-
-/** The rate of some frames, Hz, to a tenth; 60 if there are too few to tell. */
-export function rateOf(times: readonly number[]): number {
-  const gaps = times.slice(1).map((time, i) => time - times[i]!);
-  const median = gaps.sort((a, b) => a - b)[Math.floor(gaps.length / 2)];
-  return median === undefined || median <= 0 ? 60 : Math.round(10_000 / median) / 10;
 }

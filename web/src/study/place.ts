@@ -31,8 +31,10 @@ export type Taken = { taken: true } | { taken: false; problems: Record<string, P
 /** What happened to a flight that the log should know of. */
 export type FlightNews =
   | { begun: { clock_offset_ms: number | null } }
-  | { interrupted: { tick: number; reason: string } }
-  | { resumed: { tick: number; source: string; away_ms: number } };
+  | {
+      interrupted: { tick: number; reason: string };
+      resumed: { tick: number; source: string; away_ms: number };
+    };
 
 /** The session ended for this page. */
 export class SessionClosed extends Error {}
@@ -95,13 +97,13 @@ export class Place {
     return status === 200 && body instanceof Uint8Array ? readCommitted(body) : null;
   }
 
-  /** Tells the log about a flight, once and without waiting: the flight does not depend on it. */
-  tell(key: string, news: FlightNews): void {
-    const body = JSON.stringify({ tab: this.tab, ...news });
-    const headers = { 'content-type': 'application/json' };
-    void fetch(`/api/session/flight/${key}`, { method: 'POST', keepalive: true, headers, body }).catch(() => {
-      // The server sees for itself that a flight is there, stops or comes again.
-    });
+  /** Tells the log about a flight, in the background: the flight does not wait for it. */
+  async tell(key: string, news: FlightNews): Promise<void> {
+    for (let wait = FIRST_WAIT_MS; !this.isClosed; wait = Math.min(2 * wait, LONGEST_WAIT_MS)) {
+      const answered = await this.ask('POST', `/api/session/flight/${key}`, { tab: this.tab, ...news });
+      if (answered !== null) return;
+      await new Promise((resolve) => setTimeout(resolve, wait));
+    }
   }
 
   async withdraw(): Promise<void> {

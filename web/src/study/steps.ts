@@ -1,4 +1,4 @@
-// What the server says of a participant's session: docs/study-api.md has every field. Texts come in their language.
+// What the server says of a participant's session, as `GET /api/session` answers it. Texts come in their language.
 
 import type { Ending, Setup } from '../core';
 
@@ -15,6 +15,8 @@ export interface Session {
   minutes_left: number | null;
   /** What remains, the current step first. */
   steps: Step[];
+  /** Where someone goes back to whose study ended before its last step. */
+  return_address?: string | null;
   /** Questions of the quiz that the last answers got wrong. */
   wrong?: string[];
   /** The server's clock, ms since 1970. */

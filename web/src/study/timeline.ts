@@ -6,6 +6,7 @@ import { ParameterType } from 'jspsych';
 import {
   CohelmFlightPlugin,
   telemetry,
+  type ComeBack,
   type FlightResult,
   type FlightShow,
   type Machine,
@@ -114,8 +115,8 @@ function flight(study: Study, shows: (show: FlightShow | null) => void) {
     machine: () => machineOf(study),
     events: {
       begun,
-      interrupted: (tick: number, reason: string) => tell({ interrupted: { tick, reason } }),
-      resumed: (tick: number, source: string, away_ms: number) => tell({ resumed: { tick, source, away_ms } }),
+      resumed: ({ tick, reason, source, awayMs }: ComeBack) =>
+        tell({ interrupted: { tick, reason }, resumed: { tick, source, away_ms: awayMs } }),
       inTheAir: (flying: boolean) => study.inTheAir(flying),
     },
     on_show: shows,

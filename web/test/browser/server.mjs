@@ -29,6 +29,22 @@ export class Server {
     return server;
   }
 
+  /** Starts `cohelm study run` on a study's file. */
+  static async study(program, file, options) {
+    const server = new Server(program, ['study', 'run', file, ...options]);
+    await server.launch('0');
+    return server;
+  }
+
+  /** Ends as a loss of power would end it. */
+  async kill() {
+    this.isAway = true;
+    const { child } = this;
+    this.child = null;
+    child.kill('SIGKILL');
+    if (child.exitCode === null) await once(child, 'exit');
+  }
+
   get isOurs() {
     return this.program !== null;
   }

@@ -26,6 +26,8 @@ const ROW: Row = {
   interruptions: 0,
   endings: {},
   notes: 0,
+  breaches: [],
+  excluded: null,
 };
 const row = (change: Partial<Row>): Row => ({ ...ROW, ...change });
 const logged = (event: string, more: Record<string, unknown> = {}): Logged => ({ seq: 1, at_ms: 0, event, ...more });
@@ -103,7 +105,7 @@ describe('news', () => {
     expect(idsIn('7')).toEqual([7]);
     expect(idsIn('[7, 8]')).toEqual([7, 8]);
     expect(idsIn('{"participant": 7}')).toEqual([7]);
-    expect(idsIn('{"participants": [7, 9]}')).toEqual([7, 9]);
+    expect(idsIn('{"participants": [7, 9], "all": false}')).toEqual([7, 9]);
     expect(idsIn('hello')).toEqual([]);
     expect(idsIn('null')).toEqual([]);
   });

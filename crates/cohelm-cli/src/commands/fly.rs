@@ -5,6 +5,7 @@ use crate::output::say;
 use crate::{live, rig};
 use anyhow::Result;
 use clap::Args;
+use cohelm::registry::Task;
 use cohelm_server::hosts::Hosts;
 use cohelm_server::page::Assets;
 use cohelm_server::store::SqliteStore;
@@ -13,6 +14,9 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
+
+/// The plant that values learn on while people fly.
+const LEARNT: &str = "flag-lander";
 
 /// Serves the page in which a person flies with the co-pilot. Every flight is stored and can be watched again.
 #[derive(Args)]
@@ -44,8 +48,11 @@ impl Fly {
         let listener = bind(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), self.port)).await?;
         let store = open(&self.database).await?;
         let (plants, models) = (rig::plants(), rig::models(&self.models)?);
-        let lessons =
-            if self.learn { Some(live::lessons(&plants, &models, store.as_ref()).await?) } else { None };
+        let lessons = if self.learn {
+            Some(live::lessons(&Task::new(LEARNT), &plants, &models, store.as_ref()).await?)
+        } else {
+            None
+        };
         let parts = Parts {
             store: store.clone(),
             plants,
@@ -53,6 +60,7 @@ impl Fly {
             lessons,
             hosts: Hosts::loopback(),
             assets: Assets::embedded(),
+            study: None,
         };
         let server = Server::start(parts).await?;
         let (address, database) = (listener.local_addr()?, self.database.display());
@@ -75,7 +83,7 @@ pub async fn open_existing(database: &Path) -> Result<Arc<SqliteStore>> {
 }
 
 /// Done when somebody asks the program to end.
-async fn stop_signal() {
+pub async fn stop_signal() {
     let interrupted = tokio::signal::ctrl_c();
     #[cfg(unix)]
     {
@@ -92,7 +100,7 @@ async fn stop_signal() {
 }
 
 /// Writes what runs long to standard error; RUST_LOG says how much (warnings unless it is set).
-fn start_log() {
+pub fn start_log() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env();
     let filter = filter.unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();

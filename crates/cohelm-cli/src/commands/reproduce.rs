@@ -225,7 +225,8 @@ fn write_tables(results: &Results<'_>, out: &Path) -> Result<()> {
     write(&out.join("dictionary.csv"), measures::dictionary(&all).to_string().as_bytes())
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+/// Writes a file, and the folders that it lies in if they are not there.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;

@@ -2,6 +2,7 @@
 
 use super::evaluate::threads;
 use super::fly::open_existing;
+use super::study::data::{Source, is_archive};
 use crate::numbers::whole;
 use crate::output::{Format, table};
 use crate::rig;
@@ -18,6 +19,7 @@ use cohelm_learn::{
     ValueOptions, train_intent, train_intent_from, train_values,
 };
 use cohelm_server::store::{Page, Progress as Flown, Store, unpack};
+use cohelm_study::session::Session;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 use serde_json::json;
@@ -61,7 +63,8 @@ pub struct Train {
     /// Where models and cards are written, and checkpoints while training runs.
     #[arg(long, default_value = "trained", value_name = "FOLDER")]
     out: PathBuf,
-    /// Train intent on the flights of people in these databases, each one participant; every fifth is held out.
+    /// Train intent on the flights of people: databases of flights, each one participant, or archives of studies, each
+    /// with its participants. Every fifth participant is held out.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     from: Vec<PathBuf>,
     /// Make all shipped models again, as the recipes in this file say.
@@ -217,14 +220,22 @@ impl Train {
         let options: IntentOptions = changed(&IntentOptions::default(), &self.intent_options)?;
         let mut flights = Vec::new();
         for file in &self.from {
-            let participant = file.display().to_string();
-            flights.extend(
-                flights_of_people(file, job.task)?.into_iter().map(|flown| (participant.clone(), flown)),
-            );
+            flights.extend(if is_archive(file)? {
+                flights_of_study(file, job.task)?
+            } else {
+                let participant = file.display().to_string();
+                let flown = flights_of_people(file, job.task)?;
+                flown.into_iter().map(|flown| (participant.clone(), flown)).collect()
+            });
         }
         if flights.is_empty() {
             let files: Vec<String> = self.from.iter().map(|file| file.display().to_string()).collect();
-            bail!("there is no finished flight of a person on {} in {}", job.task.plant, files.join(", "));
+            bail!(
+                "there is no finished flight of a person on {} in {} (of a study, give the archive that `cohelm study \
+                 export` writes)",
+                job.task.plant,
+                files.join(", ")
+            );
         }
         let recorded: Vec<RecordedFlight<'_>> = flights
             .iter()
@@ -313,7 +324,8 @@ fn show(bar: &ProgressBar, progress: &Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Every finished flight of a person on the task's plant in a database.
+/// Every finished flight of a person on the task's plant in a database. Those of a study are left out: whose they are, and
+/// whether a program flew them, is known where its archive is made.
 fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
@@ -325,7 +337,8 @@ fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
             let Some(last) = episodes.last() else { break };
             page.before = Some(last.id);
             for episode in episodes {
-                let wanted = episode.pilot == "person" && episode.plant == task.plant;
+                let wanted =
+                    episode.pilot == "person" && episode.plant == task.plant && episode.trial.is_none();
                 if !(wanted && matches!(episode.progress, Flown::Finished { .. })) {
                     continue;
                 }
@@ -337,6 +350,34 @@ fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
         store.close().await;
         Ok(flights)
     })
+}
+
+/// Every finished flight of a study's participants on the task's plant, each with whose it is. Trial runs of the
+/// researchers and participants who are excluded teach nothing; neither do simulated ones, unless nobody else took part.
+fn flights_of_study(archive: &Path, task: &Task) -> Result<Vec<(String, Trajectory)>> {
+    let records = Source { from: archive.as_os_str(), study: None }.records()?;
+    let (mut people, mut simulated) = (Vec::new(), Vec::new());
+    for participant in &records.participants {
+        let Ok(session) = Session::fold(&records.design, &participant.events) else { continue };
+        if session.is_test() || session.excluded().is_some() {
+            continue;
+        }
+        let name = format!("{}/{}", records.design.name, participant.code);
+        let group = if session.is_simulated() { &mut simulated } else { &mut people };
+        for trial in records.trials.iter().filter(|trial| trial.participant == participant.id) {
+            let Some(bytes) = &trial.record else { continue };
+            let flown = Trajectory::from_bytes(bytes)
+                .with_context(|| format!("episode {} of {}", trial.episode, archive.display()))?;
+            if flown.setup.task.plant == task.plant {
+                group.push((name.clone(), flown));
+            }
+        }
+    }
+    if people.is_empty() && !simulated.is_empty() {
+        eprintln!("cohelm: nobody took part in {}: its participants are simulated", archive.display());
+        return Ok(simulated);
+    }
+    Ok(people)
 }
 
 fn people_text(trained: &IntentOfPeople) -> String {

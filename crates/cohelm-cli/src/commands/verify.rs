@@ -17,6 +17,8 @@ pub enum Verify {
     Flights(Files),
     /// Compute recorded statistics again; every number must agree to 1e-6 relative.
     Statistics(Files),
+    /// Kill a server again and again while simulated participants fly; nothing that it acknowledged may be lost.
+    Kills(super::kills::Kills),
     /// Fly stored episodes again: physics from what was carried out, decisions from what was asked.
     Episodes(super::episodes::VerifyEpisodes),
 }
@@ -37,6 +39,7 @@ impl Verify {
         match self {
             Self::Flights(files) => files.verify(flights),
             Self::Statistics(files) => files.verify(statistics),
+            Self::Kills(kills) => kills.run(),
             Self::Episodes(episodes) => episodes.run(),
         }
     }

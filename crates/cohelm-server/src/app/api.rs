@@ -1,14 +1,15 @@
 //! What can be asked for: lists as JSON, models and records as their bytes.
 
+use super::problem::Problem;
 use crate::hangar::is_hash;
 use crate::learn::Learning;
 use crate::page::{answer_cached, etag};
 use crate::server::Server;
-use crate::store::{EpisodeId, Page, StoreError, StoredModel, unpack};
+use crate::store::{EpisodeId, Page, StoredModel, unpack};
 use axum::Json;
 use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use cohelm::keys::controls;
 use cohelm::registry::Task;
 use cohelm_copilot::Model;
@@ -21,30 +22,10 @@ const MOST_LIMIT: u32 = 1_000;
 /// For what never changes under its address.
 const FOREVER: &str = "private, max-age=31536000, immutable";
 
-/// An answer that is none, in words.
-pub struct Problem(StatusCode, String);
-
-impl IntoResponse for Problem {
-    fn into_response(self) -> Response {
-        (self.0, Json(json!({ "error": self.1 }))).into_response()
-    }
-}
-
-impl From<StoreError> for Problem {
-    fn from(error: StoreError) -> Self {
-        tracing::error!(%error, "the database failed");
-        Self(StatusCode::INTERNAL_SERVER_ERROR, error.to_string())
-    }
-}
-
-fn not_found(what: &str) -> Problem {
-    Problem(StatusCode::NOT_FOUND, what.into())
-}
-
 pub async fn health(State(server): State<Server>) -> Result<Json<Value>, Problem> {
     match server.store().check().await {
         Ok(()) => Ok(Json(json!({ "status": "ok", "cohelm": env!("CARGO_PKG_VERSION") }))),
-        Err(error) => Err(Problem(StatusCode::SERVICE_UNAVAILABLE, error.to_string())),
+        Err(error) => Err(Problem::new(StatusCode::SERVICE_UNAVAILABLE, error.to_string())),
     }
 }
 
@@ -85,7 +66,7 @@ pub async fn model(
     Path(hash): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let unknown = || not_found("there is no model of this hash");
+    let unknown = || Problem::not_found("there is no model of this hash");
     if !is_hash(&hash) {
         return Err(unknown());
     }
@@ -123,12 +104,12 @@ pub async fn episode(
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let unknown = || not_found("there is no episode of this number");
+    let unknown = || Problem::not_found("there is no episode of this number");
     let id = EpisodeId(id.parse().map_err(|_| unknown())?);
     let Some(packed) = server.store().record(id).await? else {
         server.store().episode(id).await?.ok_or_else(unknown)?;
         let words = "this episode has no record: it is still in the air, was interrupted, or was refused";
-        return Err(Problem(StatusCode::CONFLICT, words.into()));
+        return Err(Problem::new(StatusCode::CONFLICT, words));
     };
     let bytes = unpack(&packed)?;
     let mut response = answer_cached(&headers, &etag(&bytes), FOREVER, "application/octet-stream", bytes);
@@ -161,7 +142,7 @@ pub async fn reset(State(server): State<Server>) -> Result<Json<Value>, Problem>
 
 fn learner(server: &Server) -> Result<&Learning, Problem> {
     let words = "nothing learns here; start with cohelm fly --learn";
-    server.learning().ok_or_else(|| Problem(StatusCode::CONFLICT, words.into()))
+    server.learning().ok_or_else(|| Problem::new(StatusCode::CONFLICT, words))
 }
 
 fn with_learning(mut status: Value) -> Value {

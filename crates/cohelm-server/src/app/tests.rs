@@ -302,7 +302,7 @@ async fn models_are_listed_with_their_cards_and_given_as_their_bytes() {
     disk.store.commit(&[keep]).await.unwrap();
     let store: Arc<dyn Store> = disk.store.clone();
     let (hosts, assets) = (Hosts::loopback(), Assets::of(FILES));
-    let parts = Parts { store, plants: plants(), models, lessons: None, hosts, assets };
+    let parts = Parts { store, plants: plants(), models, lessons: None, hosts, assets, study: None };
     let app = app(Server::start(parts).await.unwrap());
     let list = get(&app, "/api/models").await.json();
     let rows = list["models"].as_array().unwrap();
@@ -311,6 +311,9 @@ async fn models_are_listed_with_their_cards_and_given_as_their_bytes() {
     {
         let row = rows.iter().find(|row| row["hash"] == model.hash()).unwrap();
         assert_eq!((&row["offered"], &row["usual"]), (&offered.into(), &is_usual.into()), "{row}");
+        // No test's model is one of those that come with the program.
+        let origin = if offered { "given" } else { "learned" };
+        assert_eq!(row["origin"], origin);
         assert_eq!((&row["kind"], &row["card"]["seed"]), (&"values".into(), &model.card().seed.into()));
         let answer = get(&app, &format!("/api/models/{}", model.hash())).await;
         assert_eq!((answer.status, answer.body.as_slice()), (StatusCode::OK, model.bytes()));
@@ -328,4 +331,176 @@ async fn health_tells_of_a_database_that_is_gone() {
     let answer = get(&app, "/healthz").await;
     assert_eq!(answer.status, StatusCode::SERVICE_UNAVAILABLE);
     assert_eq!(get(&app, "/api/episodes").await.status, StatusCode::INTERNAL_SERVER_ERROR);
+}
+
+/// A path of each route, with something in the place of its names.
+fn example_of(route: &Route) -> String {
+    let path = route.path.replace("{hash}", &"ab".repeat(32)).replace("{token}", &"0".repeat(32));
+    let path = path.replace("{key}", &"0".repeat(32)).replace("{*step}", "consent").replace("{what}", "note");
+    path.replace("{participant}", "1").replace("{id}", "1")
+}
+
+/// Asks for a route as a browser would, sockets with the headers of an upgrade.
+async fn ask(app: &Router, route: &Route, cookie: &str, from_own_page: bool) -> StatusCode {
+    let method = if route.method == "POST" { Method::POST } else { Method::GET };
+    let mut asked = request(method, &example_of(route)).header(header::COOKIE, cookie);
+    if from_own_page {
+        asked = asked.header(header::ORIGIN, "http://localhost:1234").header("x-cohelm-desk", "1");
+    }
+    if route.method == "WS" {
+        for (name, value) in [
+            ("connection", "upgrade"),
+            ("upgrade", "websocket"),
+            ("sec-websocket-version", "13"),
+            ("sec-websocket-key", "dGhlIHNhbXBsZSBub25jZQ=="),
+        ] {
+            asked = asked.header(name, value);
+        }
+    }
+    let asked = asked.header(header::CONTENT_TYPE, "application/json").body(Body::from("{}")).unwrap();
+    app.clone().oneshot(asked).await.unwrap().status()
+}
+
+/// Who may ask for a route: nobody in particular, a participant, the researcher.
+fn expected(right: Right) -> [bool; 3] {
+    match right {
+        Right::Anyone | Right::Entrance => [true, true, true],
+        Right::Flyer => [false, true, true],
+        Right::Participant => [false, true, false],
+        Right::Owner | Right::Researcher | Right::Recorder => [false, false, true],
+    }
+}
+
+#[tokio::test]
+async fn every_route_is_closed_to_whoever_has_not_the_right_to_it() {
+    use crate::study::testing::{Browser, running};
+    let disk = Disk::new().await;
+    let server = running(&disk).await;
+    let participant = Browser::participant(&server).await.cookie();
+    let researcher = Browser::researcher(&server).await.cookie();
+    let forged = format!("cohelm_participant={0}; cohelm_desk={0}", "1".repeat(32));
+    let swapped = participant.replace("cohelm_participant", "cohelm_desk");
+    let app = app(server);
+    // Logging out comes last: it ends the researcher's session.
+    let (last, mut routes): (Vec<_>, Vec<_>) =
+        table().into_iter().partition(|route| route.path == "/api/desk/logout");
+    routes.extend(last);
+    for route in routes {
+        let [nobody, flyer, desk] = expected(route.right);
+        let name = format!("{} {}", route.method, route.path);
+        let askers = [
+            ("", nobody),
+            (&*forged, nobody),
+            (&*swapped, nobody),
+            (&*participant, flyer),
+            (&*researcher, desk),
+        ];
+        for (cookie, may) in askers {
+            let status = ask(&app, &route, cookie, true).await;
+            let closed = status == StatusCode::UNAUTHORIZED;
+            // The door itself says 401 to whoever has no secret.
+            let is_login = route.path == "/api/desk/login";
+            assert!(closed != may || is_login, "{name} as {cookie:?}: {status}");
+        }
+        if route.method != "GET" {
+            for cookie in ["", &*participant, &*researcher] {
+                let status = ask(&app, &route, cookie, false).await;
+                assert_eq!(status, StatusCode::FORBIDDEN, "{name} from another site as {cookie:?}");
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn the_header_of_the_desk_is_asked_for_beside_the_cookie() {
+    use crate::study::testing::{Browser, running};
+    let disk = Disk::new().await;
+    let mut desk = Browser::researcher(&running(&disk).await).await;
+    desk.desk = false;
+    let answer = desk.post("/api/desk/participants", serde_json::json!({})).await;
+    assert_eq!((answer.status, answer.error().contains("x-cohelm-desk")), (StatusCode::FORBIDDEN, true));
+}
+
+#[tokio::test]
+async fn without_a_study_there_are_no_participants_and_no_desk() {
+    let (_disk, app) = with_episodes().await;
+    for route in table() {
+        let studies =
+            matches!(route.right, Right::Entrance | Right::Participant | Right::Researcher | Right::Recorder);
+        if studies {
+            let name = format!("{} {}", route.method, route.path);
+            assert_eq!(ask(&app, &route, "", true).await, StatusCode::NOT_FOUND, "{name}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_server_of_a_study_welcomes_and_does_not_fly_at_its_root() {
+    use crate::study::testing::running;
+    let disk = Disk::new().await;
+    let app = app(running(&disk).await);
+    let root = get(&app, "/").await;
+    assert!(root.status == StatusCode::OK && root.text().contains("open the link"), "{}", root.text());
+    assert!(
+        !root.text().contains("<script") && !root.text().contains("style="),
+        "the policy allows no inline script"
+    );
+    for page in ["/study", "/desk"] {
+        assert_ne!(get(&app, page).await.status, StatusCode::NOT_FOUND, "{page}");
+    }
+}
+
+/// Keeps what a request's span is made of.
+#[derive(Clone, Default)]
+struct Told(Arc<std::sync::Mutex<String>>);
+
+impl tracing::field::Visit for Told {
+    fn record_debug(&mut self, field: &tracing::field::Field, value: &dyn std::fmt::Debug) {
+        self.0.lock().unwrap().push_str(&format!("{field}={value:?} "));
+    }
+}
+
+impl tracing::Subscriber for Told {
+    fn enabled(&self, _: &tracing::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn new_span(&self, span: &tracing::span::Attributes<'_>) -> tracing::span::Id {
+        span.record(&mut self.clone());
+        tracing::span::Id::from_u64(1)
+    }
+
+    fn record(&self, _: &tracing::span::Id, values: &tracing::span::Record<'_>) {
+        values.record(&mut self.clone());
+    }
+
+    fn event(&self, event: &tracing::Event<'_>) {
+        event.record(&mut self.clone());
+    }
+
+    fn record_follows_from(&self, _: &tracing::span::Id, _: &tracing::span::Id) {}
+    fn enter(&self, _: &tracing::span::Id) {}
+    fn exit(&self, _: &tracing::span::Id) {}
+}
+
+#[tokio::test]
+async fn what_is_logged_of_a_request_is_its_route() {
+    use crate::study::testing::{Browser, running};
+    let disk = Disk::new().await;
+    let server = running(&disk).await;
+    let token = "0123456789abcdef".repeat(2);
+    let told = Told::default();
+    let mut browser = Browser::new(&server);
+    // As long as there is one listener only, `tracing` asks each thread that meets a span first whether it listens there, and
+    // the other tests' threads do not. With two of them it asks all listeners.
+    let _second = tracing::Dispatch::new(Told::default());
+    let _guard = tracing::subscriber::set_default(told.clone());
+    browser.get(&format!("/p/{token}")).await;
+    browser.get("/join?PROLIFIC_PID=5f3a9c0d1e2b4a6788990011").await;
+    let told = told.0.lock().unwrap().clone();
+    assert!(told.contains("/p/{token}") && told.contains("/join"), "{told}");
+    let cookie = browser.cookies[0].1.clone();
+    for secret in [&*token, &*cookie, "5f3a9c0d"] {
+        assert!(!told.contains(secret), "{told}");
+    }
 }

@@ -283,3 +283,75 @@ async fn learned_values_are_announced_between_flights_and_assist_the_next_one() 
     }
     running.stop().await;
 }
+
+#[tokio::test]
+async fn other_machines_are_served_only_where_a_secret_guards() {
+    let disk = Disk::new().await;
+    let listener = bind("0.0.0.0:0".parse().unwrap()).await.unwrap();
+    let error = serve(listener, disk.server().await, std::future::pending()).await.unwrap_err();
+    assert!(error.to_string().contains("secret"), "{error}");
+    let listener = bind("0.0.0.0:0".parse().unwrap()).await.unwrap();
+    let server = crate::study::testing::running(&disk).await;
+    serve(listener, server, std::future::ready(())).await.expect("a study has a secret");
+}
+
+/// Certificate and key for localhost, in a folder.
+fn certified(folder: &std::path::Path) -> (rcgen::CertifiedKey<rcgen::KeyPair>, Tls) {
+    let own = rcgen::generate_simple_self_signed(vec!["localhost".into()]).unwrap();
+    let (certificate, key) = (folder.join("certificate.pem"), folder.join("key.pem"));
+    std::fs::write(&certificate, own.cert.pem()).unwrap();
+    std::fs::write(&key, own.signing_key.serialize_pem()).unwrap();
+    let tls = Tls::open(&certificate, &key).unwrap();
+    (own, tls)
+}
+
+#[tokio::test]
+async fn flights_go_over_tls_of_the_servers_own() {
+    use tokio_rustls::TlsConnector;
+    use tokio_rustls::rustls::crypto::ring::default_provider;
+    use tokio_rustls::rustls::{ClientConfig, RootCertStore};
+    let disk = Disk::new().await;
+    let (own, tls) = certified(disk.folder.path());
+    let listener = bind("127.0.0.1:0".parse().unwrap()).await.unwrap();
+    let address = listener.local_addr().unwrap();
+    tokio::spawn(serve_tls(listener, tls, disk.server().await, std::future::pending()));
+    // One that never greets holds up nobody.
+    let _silent = TcpStream::connect(address).await.unwrap();
+    let mut roots = RootCertStore::empty();
+    roots.add(own.cert.der().clone()).unwrap();
+    let config = ClientConfig::builder_with_provider(std::sync::Arc::new(default_provider()))
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_root_certificates(roots)
+        .with_no_client_auth();
+    let stream = TcpStream::connect(address).await.unwrap();
+    let name = "localhost".try_into().unwrap();
+    let stream = TlsConnector::from(std::sync::Arc::new(config)).connect(name, stream).await.unwrap();
+    let mut request = format!("ws://localhost:{}/ws", address.port()).into_client_request().unwrap();
+    request.headers_mut().insert("Origin", format!("https://localhost:{}", address.port()).parse().unwrap());
+    let (mut socket, _) = tokio_tungstenite::client_async(request, stream).await.unwrap();
+    let Some(Ok(Message::Binary(bytes))) = socket.next().await else { panic!("no welcome") };
+    assert!(matches!(ToPage::from_bytes(&bytes).unwrap(), ToPage::Welcome(_)));
+    let mut plain = TcpStream::connect(address).await.unwrap();
+    tokio::io::AsyncWriteExt::write_all(&mut plain, b"GET / HTTP/1.1\r\n\r\n").await.unwrap();
+    let mut answer = Vec::new();
+    let _ = tokio::io::AsyncReadExt::read_to_end(&mut plain, &mut answer).await;
+    assert!(!answer.starts_with(b"HTTP"), "nothing is said in the clear");
+}
+
+#[tokio::test]
+async fn files_that_are_no_certificate_or_key_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, _) = certified(folder.path());
+    let (certificate, key) = (folder.path().join("certificate.pem"), folder.path().join("key.pem"));
+    let missing = folder.path().join("nothing.pem");
+    for (certificate, key, word) in [
+        (&missing, &key, "nothing.pem"),
+        (&certificate, &missing, "nothing.pem"),
+        (&key, &key, "no certificate"),
+        (&certificate, &certificate, "key"),
+    ] {
+        let error = Tls::open(certificate, key).err().expect("refused").to_string();
+        assert!(error.contains(word), "{error}");
+    }
+}

@@ -22,7 +22,7 @@ impl Line {
     async fn new(server: &Server) -> Self {
         let ((to_server, incoming), (outgoing, from_server)) = (unbounded(), unbounded());
         let server = server.clone();
-        let conversation = tokio::spawn(async move { converse(&server, incoming, outgoing).await });
+        let conversation = tokio::spawn(async move { converse(&server, None, incoming, outgoing).await });
         let mut line = Self { to_server, from_server, conversation };
         assert!(matches!(line.hear().await, ToPage::Welcome(_)));
         line

@@ -6,6 +6,7 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Copies everything into a file beside `to`, and gives it that name once all of it is on the disk. What is there
 /// already stays, whoever else makes backups at the same moment.
@@ -20,10 +21,11 @@ pub async fn write_new(database: &dyn Driver, to: &Path) -> Result<(), StoreErro
     name(&partial.0, to)
 }
 
-/// The name while it is not complete. The process is in it: two backups at once do not meet.
+/// The name while it is not complete. The process and a count are in it: two backups at once do not meet.
 fn beside(to: &Path) -> PathBuf {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
     let mut name = to.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(format!(".{}.partial", std::process::id()));
+    name.push(format!(".{}-{}.partial", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
     to.with_file_name(name)
 }
 

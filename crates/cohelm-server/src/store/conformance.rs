@@ -3,6 +3,7 @@
 mod flights;
 mod studies;
 
+use super::postgres::tests::EmptyDatabase;
 use crate::testing::Disk;
 
 /// Runs each of the tests on each kind of database.
@@ -13,6 +14,15 @@ macro_rules! on_every_database {
             async fn $test() {
                 let disk = super::Disk::new().await;
                 super::$module::$test(disk.store.as_ref()).await;
+            })+)+
+        }
+        mod postgres {
+            $($(#[tokio::test]
+            #[ignore = "needs a server: tools/postgres-for-tests cargo test -p cohelm-server postgres -- --include-ignored"]
+            async fn $test() {
+                let database = super::EmptyDatabase::new().await;
+                super::$module::$test(&database.store).await;
+                database.remove().await;
             })+)+
         }
     };

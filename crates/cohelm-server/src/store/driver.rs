@@ -4,6 +4,7 @@
 
 use super::StoreError;
 use async_trait::async_trait;
+use std::path::Path;
 
 /// A value for a `$n`. What is absent has a type as well, since PostgreSQL wants to know it.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +86,11 @@ impl Row {
         Self(cells.into_iter())
     }
 
+    /// Those that are left.
+    pub fn cells(&self) -> &[Cell] {
+        self.0.as_slice()
+    }
+
     /// The next cell. `what` is its column, for the error.
     pub fn take<T: FromCell>(&mut self, what: &'static str) -> Result<T, StoreError> {
         let cell =
@@ -143,14 +149,26 @@ pub trait Driver: Send + Sync {
     /// Begins to write. One writes at a time: this waits for whoever does, for a while.
     async fn begin(&self) -> Result<Box<dyn Transaction>, StoreError>;
 
+    /// Begins to read what is there at this moment, whatever others write meanwhile.
+    async fn snapshot(&self) -> Result<Box<dyn Transaction>, StoreError>;
+
     /// Takes care that nothing of what was deleted can be read from the files.
     async fn scrub(&self) -> Result<(), StoreError>;
 
     /// See [`Store::backup`](super::Store::backup); nothing is at `to`.
-    async fn copy_into(&self, to: &std::path::Path) -> Result<(), StoreError>;
+    async fn copy_into(&self, to: &Path) -> Result<(), StoreError>;
 
     /// Closes all connections.
     async fn close(&self);
+}
+
+/// How the largest number that was ever given to an episode is read, and set in an empty database.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbering {
+    /// Gives one row with the number, 0 if there was none.
+    pub read: &'static str,
+    /// `$1` is the number.
+    pub write: &'static str,
 }
 
 /// Changes that come together or not at all.
@@ -161,6 +179,9 @@ pub trait Transaction: Send {
 
     /// Reads rows, the changes so far included.
     async fn read(&mut self, sql: &'static str, values: &[Value<'_>]) -> Result<Vec<Row>, StoreError>;
+
+    /// How this kind of database numbers episodes.
+    fn numbering(&self) -> Numbering;
 
     /// Returns once the changes survive the loss of power.
     async fn commit(self: Box<Self>) -> Result<(), StoreError>;

@@ -93,6 +93,30 @@ pub enum StoreError {
         /// The server's words.
         reason: String,
     },
+    /// The database server offers no encryption, or none that can be trusted.
+    #[error(
+        "the connection to the database {database} cannot be encrypted: {reason}; give the server a certificate that this machine trusts, or, if the network between them is yours, add ?sslmode=disable to the address"
+    )]
+    NotEncrypted {
+        /// Which database.
+        database: String,
+        /// What went wrong.
+        reason: String,
+    },
+    /// The database was set up in a way that would lose something.
+    #[error("the database {database} does not suit: {reason}")]
+    Unsuitable {
+        /// Which database.
+        database: String,
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// A backup would be mixed with something else.
+    #[error("the database {database} is not empty; restore into a new one")]
+    NotEmpty {
+        /// Which database.
+        database: String,
+    },
     /// It is neither a file nor an address that means something here.
     #[error("{database} names no database: give a file, or postgres://USER@HOST/DATABASE ({reason})")]
     Address {

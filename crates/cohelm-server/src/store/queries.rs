@@ -59,6 +59,7 @@ pub const PARTICIPANTS: &str = select_participants!("WHERE study = $1 ORDER BY i
 pub const PARTICIPANT: &str = select_participants!("WHERE id = $1");
 pub const PARTICIPANT_OF_TOKEN: &str = select_participants!("WHERE token_hash = $1");
 pub const LARGEST_PARTICIPANT: &str = "SELECT COALESCE(MAX(id), 0) FROM participants";
+pub const ANY_WITHDRAWN: &str = "SELECT id FROM participants WHERE withdrawn_at_ms IS NOT NULL LIMIT 1";
 pub const EVENTS: &str =
     "SELECT seq, at_ms, event FROM events WHERE participant = $1 AND seq > $2 ORDER BY seq";
 pub const SETTING: &str = "SELECT value FROM settings WHERE name = $1";

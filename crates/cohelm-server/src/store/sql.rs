@@ -14,13 +14,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Debug)]
 pub struct SqlStore<D> {
     pub(super) driver: D,
-    /// Somebody withdrew, and what was deleted may still be readable in the files.
+    /// What was deleted when somebody withdrew may still be readable in the files. True at first as well: the last
+    /// program may have been killed before it had seen to that.
     to_scrub: AtomicBool,
 }
 
 impl<D: Driver> SqlStore<D> {
     pub(super) fn new(driver: D) -> Self {
-        Self { driver, to_scrub: AtomicBool::new(false) }
+        Self { driver, to_scrub: AtomicBool::new(true) }
     }
 
     async fn all<T>(
@@ -46,9 +47,16 @@ impl<D: Driver> SqlStore<D> {
         if !self.to_scrub.swap(false, Ordering::AcqRel) {
             return;
         }
-        if let Err(error) = self.driver.scrub().await {
+        if let Err(error) = self.scrub().await {
             tracing::warn!(%error, "the bytes of a withdrawn participant are not overwritten yet; tried again later");
             self.to_scrub.store(true, Ordering::Release);
+        }
+    }
+
+    async fn scrub(&self) -> Result<(), StoreError> {
+        match self.driver.read(queries::ANY_WITHDRAWN, &[]).await?.is_empty() {
+            true => Ok(()),
+            false => self.driver.scrub().await,
         }
     }
 }

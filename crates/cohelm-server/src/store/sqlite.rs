@@ -4,7 +4,7 @@ mod door;
 #[cfg(test)]
 mod tests;
 
-use super::driver::{Cell, Driver, Row, Transaction, Value};
+use super::driver::{Cell, Driver, Numbering, Row, Transaction, Value};
 use super::sql::SqlStore;
 use super::{Store, StoreError};
 use async_trait::async_trait;
@@ -13,9 +13,13 @@ use sqlx::query::Query;
 use sqlx::sqlite::{Sqlite, SqliteArguments, SqlitePool, SqliteRow};
 use sqlx::{Row as _, SqlSafeStr, TypeInfo, ValueRef};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// A database in one file (and, while it is open, its `-wal` and `-shm` beside it).
 pub type SqliteStore = SqlStore<SqliteDriver>;
+
+/// How long overwriting what was deleted waits for readers.
+const SCRUB_PATIENCE: Duration = Duration::from_millis(300);
 
 /// The connections to it.
 #[derive(Clone, Debug)]
@@ -44,6 +48,11 @@ impl SqliteStore {
         Store::close(self).await;
     }
 }
+
+/// How long to wait for the thread of a connection, and how often at most: half a second is more than a rollback takes.
+const FOR_THE_OTHER_THREAD: Duration = Duration::from_millis(5);
+/// See [`FOR_THE_OTHER_THREAD`].
+const MOST_WAITS: u32 = 100;
 
 /// What tests do behind the store's back.
 #[cfg(test)]
@@ -79,6 +88,24 @@ impl SqliteDriver {
         migrated.map_err(|error| door::migration_error(&self.path, known, error))
     }
 
+    async fn begin_with(&self, statement: &'static str) -> Result<Box<dyn Transaction>, StoreError> {
+        let mut begun = self.pool.begin_with(statement).await;
+        // What a full disk ended is taken back by the connection's own thread, which may not have come to it yet.
+        for _ in 0..MOST_WAITS {
+            if !matches!(begun, Err(sqlx::Error::InvalidSavePointStatement)) {
+                break;
+            }
+            tokio::time::sleep(FOR_THE_OTHER_THREAD).await;
+            begun = self.pool.begin_with(statement).await;
+        }
+        let transaction = begun.map_err(self.wrong())?;
+        Ok(Box::new(SqliteTransaction { transaction, path: self.path.clone() }))
+    }
+
+    fn locked(&self) -> StoreError {
+        StoreError::Locked { database: self.path.display().to_string(), waited_s: door::PATIENCE.as_secs() }
+    }
+
     fn wrong(&self) -> impl Fn(sqlx::Error) -> StoreError + '_ {
         |error| door::error(&self.path, error)
     }
@@ -103,20 +130,24 @@ impl Driver for SqliteDriver {
 
     async fn begin(&self) -> Result<Box<dyn Transaction>, StoreError> {
         // Immediate: the lock is taken before anything is read, so that two programs cannot deadlock.
-        let transaction = self.pool.begin_with("BEGIN IMMEDIATE").await.map_err(self.wrong())?;
-        Ok(Box::new(SqliteTransaction { transaction, path: self.path.clone() }))
+        self.begin_with("BEGIN IMMEDIATE").await
+    }
+
+    async fn snapshot(&self) -> Result<Box<dyn Transaction>, StoreError> {
+        self.begin_with("BEGIN").await
     }
 
     async fn scrub(&self) -> Result<(), StoreError> {
         // `secure_delete` wrote zeros over it; what it was is still in the -wal file, until that is emptied.
-        let emptied = sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").fetch_one(&self.pool).await;
-        let busy: i64 = emptied.and_then(|row| row.try_get(0)).map_err(self.wrong())?;
-        match busy {
+        // Readers of an earlier moment keep it from being emptied. They are not waited for long, since nobody writes
+        // meanwhile, and it is tried again later.
+        let mut connection = self.pool.acquire().await.map_err(self.wrong())?;
+        door::wait_for_others(&mut connection, SCRUB_PATIENCE).await.map_err(self.wrong())?;
+        let emptied = sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").fetch_one(&mut *connection).await;
+        door::wait_for_others(&mut connection, door::PATIENCE).await.map_err(self.wrong())?;
+        match emptied.and_then(|row| row.try_get::<i64, _>(0)).map_err(self.wrong())? {
             0 => Ok(()),
-            _ => Err(StoreError::Locked {
-                database: self.path.display().to_string(),
-                waited_s: door::PATIENCE.as_secs(),
-            }),
+            _ => Err(self.locked()),
         }
     }
 
@@ -151,6 +182,13 @@ impl Transaction for SqliteTransaction {
         let rows = bound(sql, values).fetch_all(&mut *self.transaction).await;
         let rows = rows.and_then(|rows| rows.iter().map(row).collect::<Result<_, _>>());
         rows.map_err(|error| door::error(&self.path, error))
+    }
+
+    fn numbering(&self) -> Numbering {
+        Numbering {
+            read: "SELECT COALESCE(MAX(seq), 0) FROM sqlite_sequence WHERE name = 'episodes'",
+            write: "INSERT INTO sqlite_sequence (name, seq) VALUES ('episodes', $1)",
+        }
     }
 
     async fn commit(self: Box<Self>) -> Result<(), StoreError> {

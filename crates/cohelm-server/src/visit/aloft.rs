@@ -90,6 +90,11 @@ impl Aloft {
         End { ticks: self.flight.ticks(), ending, digests: self.flight.digests() }
     }
 
+    /// Keys that were pressed.
+    pub fn presses(&self) -> u32 {
+        self.pilot.key_presses()
+    }
+
     /// What fixes the flight.
     pub fn setup(&self) -> &Setup {
         self.flight.setup()

@@ -24,12 +24,12 @@ pub struct Line {
 }
 
 impl Line {
-    /// Connects as the page of that address would, with the participant's cookie if there is one.
-    pub async fn connect(address: SocketAddr, cookie: Option<&str>) -> Result<Self, VisitError> {
+    /// Connects as the page of that address would, with the participant's cookies if there are any.
+    pub async fn connect(address: SocketAddr, cookies: Option<&str>) -> Result<Self, VisitError> {
         let refused = |reason: String| VisitError::Connect { address, reason };
         let stream = TcpStream::connect(address).await.map_err(|error| refused(error.to_string()))?;
         stream.set_nodelay(true).map_err(|error| refused(error.to_string()))?;
-        let request = request(address, cookie).map_err(|error| refused(error.to_string()))?;
+        let request = request(address, cookies).map_err(|error| refused(error.to_string()))?;
         let config = WebSocketConfig::default().read_buffer_size(BUFFER).write_buffer_size(0);
         let connecting = timeout(ANSWER_WITHIN, client_async_with_config(request, stream, Some(config)));
         let (socket, _) = connecting
@@ -63,6 +63,16 @@ impl Line {
         }
     }
 
+    /// The next thing that the server says about a flight; an error if it takes too long.
+    pub async fn answer(&mut self) -> Result<ToPage, VisitError> {
+        loop {
+            match self.hear().await? {
+                ToPage::NewModel { .. } => {}
+                said => return Ok(said),
+            }
+        }
+    }
+
     /// The next thing that the server says; an error if it takes too long.
     pub async fn hear(&mut self) -> Result<ToPage, VisitError> {
         timeout(ANSWER_WITHIN, self.listen()).await.map_err(|_| VisitError::Silence(ANSWER_WITHIN))?
@@ -71,13 +81,13 @@ impl Line {
 
 fn request(
     address: SocketAddr,
-    cookie: Option<&str>,
+    cookies: Option<&str>,
 ) -> Result<tungstenite::handshake::client::Request, tungstenite::Error> {
     let mut request = format!("ws://{address}/ws").into_client_request()?;
     let headers = request.headers_mut();
     headers.insert("Origin", HeaderValue::try_from(format!("http://{address}"))?);
-    if let Some(cookie) = cookie {
-        headers.insert("Cookie", HeaderValue::try_from(cookie)?);
+    if let Some(cookies) = cookies {
+        headers.insert("Cookie", HeaderValue::try_from(cookies)?);
     }
     Ok(request)
 }

@@ -4,50 +4,18 @@
 //! when is what pages would send. A wait is counted from the moment at which the flight was where a piece of its log
 //! ends, not from when the piece was sent: a sender that falls behind makes its waits longer, never shorter.
 
-use super::{Aloft, Line, VisitError};
-use crate::follow::End;
-use crate::protocol::{Begin, FromPage, ToPage};
-use crate::store::{Chunk, FlightKey};
-use cohelm::trajectory::Setup;
+use super::{Line, Planned, VisitError};
+use crate::protocol::{FromPage, ToPage};
 use futures_util::future::try_join_all;
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until, timeout_at};
 
-/// Ticks of a piece of the log, as the page cuts it.
-pub const PIECE_TICKS: u32 = 50;
 /// How long after the last message was due the last answer may come.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Connections that are opened at once.
 const OPENING: usize = 50;
-
-/// A flight that is flown, cut as a page would send it.
-pub struct Planned {
-    key: FlightKey,
-    setup: Setup,
-    tick_s: f64,
-    pieces: Vec<Chunk>,
-    end: End,
-}
-
-impl Planned {
-    /// Flies to the end of the episode, or gives up after so many ticks.
-    pub fn fly(mut aloft: Aloft, key: FlightKey, most_ticks: u32) -> Self {
-        let mut pieces = Vec::new();
-        while aloft.ending().is_none() && aloft.ticks() < most_ticks {
-            let from = aloft.ticks();
-            aloft.fly(PIECE_TICKS.min(most_ticks - from));
-            pieces.push(aloft.since(from));
-        }
-        Self { key, setup: aloft.setup().clone(), tick_s: aloft.tick_s(), pieces, end: aloft.end() }
-    }
-
-    /// Ticks that it lasts.
-    pub fn ticks(&self) -> u32 {
-        self.end.ticks
-    }
-}
 
 /// What the server has to answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,16 +37,14 @@ struct Cue {
 fn cues(begin: Duration, flights: Vec<Planned>) -> VecDeque<Cue> {
     let mut cues = VecDeque::new();
     let mut begin = begin;
-    for Planned { key, setup, tick_s, pieces, end } in flights {
-        let after = |ticks: u32| begin + Duration::from_secs_f64(f64::from(ticks) * tick_s);
-        let words = FromPage::Begin(Begin { key, age_ms: 0, setup });
-        cues.push_back(Cue { at: begin, words, answer: Answer::Begun });
-        for piece in pieces {
-            let (at, answer) = (after(piece.to_tick), Answer::Ack(piece.to_tick));
-            cues.push_back(Cue { at, words: FromPage::Chunk(piece), answer });
+    for flight in flights {
+        cues.push_back(Cue { at: begin, words: flight.begin(Duration::ZERO), answer: Answer::Begun });
+        for piece in &flight.pieces {
+            let (at, answer) = (begin + flight.after(piece.to_tick), Answer::Ack(piece.to_tick));
+            cues.push_back(Cue { at, words: FromPage::Chunk(piece.clone()), answer });
         }
-        begin = after(end.ticks);
-        cues.push_back(Cue { at: begin, words: FromPage::End(end), answer: Answer::Finished });
+        begin += flight.after(flight.ticks());
+        cues.push_back(Cue { at: begin, words: FromPage::End(flight.end), answer: Answer::Finished });
     }
     cues
 }
@@ -188,6 +154,7 @@ mod tests {
     use crate::page::Assets;
     use crate::store::{Page, Progress, Store};
     use crate::testing::{Disk, flight, key, setup};
+    use crate::visit::Aloft;
     use crate::visit::testing::{Running, person};
 
     fn planned(number: u8, most_ticks: u32) -> Planned {

@@ -9,7 +9,7 @@ mod outcome;
 mod quantity;
 mod time;
 
-pub use course::{Learning, OrderEffect, learning, order_effect};
+pub use course::{Learning, OrderEffect, Stretch, learning, order_effect};
 pub use outcome::Outcome;
 pub use quantity::{Quantity, Source};
 pub use time::{Calibration, Ribbon, calibrations, ribbons};
@@ -77,7 +77,11 @@ impl Analysis {
         let declared = &dataset.design.primary;
         let primary = Quantity::named(dataset, &declared.measure)
             .map(|quantity| Outcome::of(dataset, quantity, &primary_conditions(dataset), options));
-        let others = explored(dataset).into_iter().filter(|quantity| quantity.key != declared.measure);
+        let compared = primary.as_ref().map_or(0, |outcome| outcome.conditions.len());
+        // The primary measure is explored too where it was declared for some of the modes only.
+        let others = explored(dataset).into_iter().filter(|quantity| {
+            quantity.key != declared.measure || quantity.conditions(dataset).len() > compared
+        });
         let exploratory = others
             .map(|quantity| {
                 let conditions = quantity.conditions(dataset);

@@ -1,8 +1,36 @@
 //! What is compared between conditions: a measure of flights, or a score of a questionnaire.
 
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, Score};
+use crate::design::{Condition, Design};
 use crate::figures::Axis;
 use crate::measures::{self, Measure, Range, Unit};
+use crate::questionnaires;
+use cohelm::arbitration::Rule;
+use cohelm::intent::Inference;
+
+/// Measures of what the co-pilot does to commands.
+const INTERVENTIONS: [&str; 9] = [
+    "interventions",
+    "nominal_interventions",
+    "opposed",
+    "authority",
+    "reversals",
+    "repeats",
+    "wrong_interventions",
+    "time_to_correct",
+    "uncorrected",
+];
+/// Measures of what the co-pilot believes.
+const BELIEFS: [&str; 8] = [
+    "goal_accuracy",
+    "goal_right_midway",
+    "goal_right_at_end",
+    "mean_confidence",
+    "brier",
+    "calibration_error",
+    "confidence_when_wrong",
+    "wrong_interventions",
+];
 
 /// Something with one value a participant and condition.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +49,8 @@ pub struct Quantity {
     pub decimals: usize,
     /// Where its values come from.
     pub source: Source,
+    /// For a score, the lowest and the highest value it can have.
+    pub limits: Option<(f64, f64)>,
 }
 
 /// Where a quantity's values come from.
@@ -50,15 +80,15 @@ impl Quantity {
             range: measure.range,
             decimals: measure.decimals,
             source: Source::Flights,
+            limits: None,
         })
     }
 
     /// The score of a questionnaire.
-    pub fn of_score(instrument: &str, scale: &str) -> Self {
-        let name = if scale.is_empty() || scale == "overall" {
-            instrument.to_owned()
-        } else {
-            format!("{instrument}: {scale}")
+    pub fn of_score(design: &Design, instrument: &str, scale: &str) -> Self {
+        let name = match scale {
+            "" | "overall" => format!("score {instrument}"),
+            _ => format!("score {instrument}: {scale}"),
         };
         Quantity {
             key: format!("{instrument}/{scale}"),
@@ -68,6 +98,7 @@ impl Quantity {
             range: Range::Any,
             decimals: 1,
             source: Source::Score { instrument: instrument.to_owned(), scale: scale.to_owned() },
+            limits: questionnaires::find(design, instrument).and_then(|found| found.range(scale)),
         }
     }
 
@@ -86,9 +117,18 @@ impl Quantity {
 
     /// Every score that was asked for after a condition, in the order of the data.
     pub fn scores(dataset: &Dataset) -> Vec<Self> {
+        Self::scores_where(dataset, |score| score.condition.is_some())
+    }
+
+    /// Every score that was asked for at the end, about all conditions together.
+    pub fn end_scores(dataset: &Dataset) -> Vec<Self> {
+        Self::scores_where(dataset, |score| score.condition.is_none())
+    }
+
+    fn scores_where(dataset: &Dataset, wanted: impl Fn(&Score) -> bool) -> Vec<Self> {
         let mut scores: Vec<Quantity> = Vec::new();
-        for score in dataset.scores.iter().filter(|score| score.condition.is_some()) {
-            let quantity = Self::of_score(&score.instrument, &score.scale);
+        for score in dataset.scores.iter().filter(|score| wanted(score)) {
+            let quantity = Self::of_score(&dataset.design, &score.instrument, &score.scale);
             if !scores.iter().any(|known| known.key == quantity.key) {
                 scores.push(quantity);
             }
@@ -96,13 +136,30 @@ impl Quantity {
         scores
     }
 
-    /// The conditions in which a participant that is analysed has a value.
+    /// A participant's score at the end; `None` for a measure of flights.
+    pub fn value_at_the_end(&self, dataset: &Dataset, participant: usize) -> Option<f64> {
+        match &self.source {
+            Source::Flights => None,
+            Source::Score { instrument, scale } => dataset.score(participant, None, instrument, scale),
+        }
+    }
+
+    /// The conditions that can be compared: those in which a participant that is analysed has a value that is not so by
+    /// construction.
     pub fn conditions(&self, dataset: &Dataset) -> Vec<usize> {
         let people = dataset.analysed();
-        let has = |condition: &usize| {
-            people.iter().any(|&person| self.value(dataset, person, *condition).is_some())
-        };
-        (0..dataset.design.conditions.len()).filter(has).collect()
+        let has = |&c: &usize| people.iter().any(|&person| self.value(dataset, person, c).is_some());
+        let given = |&c: &usize| self.is_given(&dataset.design.conditions[c]);
+        (0..dataset.design.conditions.len()).filter(|c| has(c) && !given(c)).collect()
+    }
+
+    /// Whether the rule or the inference of a condition fixes the value, whatever the pilot does: nobody intervenes under
+    /// human alone, and a goal that is told is always right. To compare with such a condition would test an axiom.
+    pub fn is_given(&self, condition: &Condition) -> bool {
+        let key = self.key.as_str();
+        let of_help = INTERVENTIONS.contains(&key) && condition.rule == Rule::Hic;
+        let of_knowing = BELIEFS.contains(&key) && condition.inference == Inference::Known;
+        self.source == Source::Flights && (of_help || of_knowing)
     }
 
     /// A participant's value in a condition.
@@ -138,7 +195,9 @@ impl Quantity {
         };
         match (self.unit, &self.source) {
             (Unit::Share, _) => Axis::share(title),
-            (_, Source::Score { .. }) => Axis::free(title),
+            (_, Source::Score { .. }) if self.limits.is_none_or(|(least, _)| least != 0.0) => {
+                Axis::free(title)
+            }
             _ => Axis::amount(title),
         }
     }

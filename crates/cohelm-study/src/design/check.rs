@@ -3,6 +3,8 @@
 mod people;
 mod texts;
 
+pub(super) use texts::texts;
+
 use super::{Condition, Design, Item};
 use crate::measures;
 use crate::questionnaires::{self, Questionnaire};

@@ -6,7 +6,7 @@ use super::{InstructionPage, Instructions, Picture, Words};
 pub(super) fn is_one(words: &Words) -> bool {
     let pages = Instructions::default().pages;
     let read = |page: &InstructionPage| page.title == *words || page.text == *words;
-    *words == debrief() || *words == pause() || pages.iter().any(read)
+    [debrief(), pause(), block_text()].contains(words) || pages.iter().any(read)
 }
 
 /// The same text in English and German.
@@ -55,10 +55,10 @@ fn letters(place: usize) -> String {
 }
 
 /// Before a block's flights.
-pub(crate) fn block_intro() -> Words {
+pub(super) fn block_text() -> Words {
     both(
-        "The craft answers a little differently in each mode. Land it gently at your goal, as well as you can.",
-        "In jedem Modus reagiert das Fluggerät etwas anders. Landen Sie so gut Sie können sanft an Ihrem Ziel.",
+        "The controls answer a little differently in each mode. Steer to your goal as well as you can.",
+        "In jedem Modus reagiert die Steuerung etwas anders. Steuern Sie so gut Sie können zu Ihrem Ziel.",
     )
 }
 
@@ -69,19 +69,18 @@ impl Default for Instructions {
                 InstructionPage {
                     title: both("Your task", "Ihre Aufgabe"),
                     text: both(
-                        "Bring the craft to your goal and let it come to rest there, gently. The picture shows which \
-                         goal is yours. A flight ends when the craft lands, crashes, leaves the picture, or when the \
-                         time is up.",
-                        "Bringen Sie das Fluggerät zu Ihrem Ziel und lassen Sie es dort sanft zur Ruhe kommen. Das Bild \
-                         zeigt, welches Ziel Ihres ist. Ein Flug endet, wenn das Fluggerät landet, abstürzt, das Bild \
-                         verlässt oder die Zeit um ist.",
+                        "Steer to your goal and come to rest there, gently. The picture shows which goal is yours. A \
+                         flight ends when you have arrived, after a crash, outside the picture, or when the time is up.",
+                        "Steuern Sie zu Ihrem Ziel und kommen Sie dort sanft zur Ruhe. Das Bild zeigt, welches Ziel Ihres \
+                         ist. Ein Flug endet, wenn Sie angekommen sind, nach einem Absturz, außerhalb des Bildes, oder \
+                         wenn die Zeit um ist.",
                     ),
                     picture: Some(Picture::Task),
                 },
                 InstructionPage {
                     title: both("The keys", "Die Tasten"),
                     text: both(
-                        "These keys control the craft. You can set other keys if you like, or use a gamepad. You will \
+                        "These are the keys. You can set other keys if you like, or use a gamepad. You will \
                          fly in several modes; in some of them a computer helps.",
                         "Mit diesen Tasten steuern Sie. Sie können andere Tasten einstellen oder ein Gamepad benutzen. \
                          Sie fliegen in mehreren Modi; in manchen hilft ein Computer mit.",

@@ -1,6 +1,7 @@
 //! How long a participant needs: an estimate for consent, plan and progress. Nothing is timed by it.
 
-use super::timeline::{Step, StepKind};
+use super::schedule::Assignment;
+use super::timeline::{Step, StepKind, steps};
 use super::{Design, Item};
 
 /// Words that people read a minute, somewhat below the usual 240 since much is new to them.
@@ -19,6 +20,12 @@ const NOTICE_S: f64 = 10.0;
 /// Minutes for some steps.
 pub fn minutes(design: &Design, steps: &[Step]) -> f64 {
     steps.iter().map(|step| seconds(design, step)).sum::<f64>() / 60.0
+}
+
+/// Minutes for the whole of it, as one tells participants: rounded up to five.
+pub fn minutes_to_tell(design: &Design) -> f64 {
+    let as_listed = Assignment { cell: 0, order: (0..design.conditions.len()).collect(), seed: 0 };
+    5.0 * (minutes(design, &steps(design, &as_listed)) / 5.0).ceil()
 }
 
 fn seconds(design: &Design, step: &Step) -> f64 {

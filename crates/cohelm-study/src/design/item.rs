@@ -77,7 +77,7 @@ pub struct Choice {
 
 /// A choice as the file gives it.
 #[derive(Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "a text, or a table { value = \"…\", text = … }")]
+#[serde(untagged, expecting = "expected a text, or a table { value = \"…\", text = … }")]
 enum ChoiceTable {
     /// A text that is its own value.
     Plain(String),
@@ -89,7 +89,9 @@ enum ChoiceTable {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct NamedChoice {
+    /// What is stored.
     value: String,
+    /// What is read.
     text: Words,
 }
 
@@ -174,7 +176,7 @@ impl ItemTable {
     /// A key that the kind does not know would be ignored in silence, and its author would believe otherwise.
     fn refuse_keys_of_other_kinds(&self) -> Result<(), String> {
         use ItemKind::{Choice, Many, Number, Scale, Text};
-        let present: [(&str, bool, &[ItemKind]); 10] = [
+        let present: [(&str, bool, &[ItemKind]); 11] = [
             ("least", self.least.is_some(), &[Scale, Number]),
             ("most", self.most.is_some(), &[Scale, Number]),
             ("step", self.step.is_some(), &[Scale]),
@@ -185,6 +187,7 @@ impl ItemTable {
             ("unit", self.unit.is_some(), &[Number]),
             ("most-chars", self.most_chars.is_some(), &[Text]),
             ("reversed", self.reversed, &[Scale]),
+            ("subscale", self.subscale.is_some(), &[Scale]),
         ];
         match present.iter().find(|(_, given, kinds)| *given && !kinds.contains(&self.kind)) {
             Some((key, _, _)) => {

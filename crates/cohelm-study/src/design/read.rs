@@ -1,6 +1,6 @@
 //! From a study's file to a design, or to what is wrong with it, where, and what was meant perhaps.
 
-use super::{Design, DesignError, Problem, check};
+use super::{Catalogue, Design, DesignError, PlantFacts, Problem, check};
 use toml::de::{DeTable, DeValue};
 
 /// Reads and checks a study's file.
@@ -8,21 +8,39 @@ pub(super) fn read(text: &str) -> Result<Design, DesignError> {
     let mut design: Design = toml::from_str(text).map_err(|error| unreadable(text, &error))?;
     design.text = text.to_owned();
     let complaints = check::complaints(&design);
-    if complaints.is_empty() {
-        return Ok(design);
-    }
-    let mut problems: Vec<Problem> = complaints
-        .into_iter()
-        .map(|(path, message)| Problem { at: place_of(text, &path), message: format!("{path}: {message}") })
+    if complaints.is_empty() { Ok(design) } else { Err(located(text, complaints)) }
+}
+
+/// Asks whoever knows plants and models.
+pub(super) fn check_with(design: &Design, catalogue: &dyn Catalogue) -> Result<PlantFacts, DesignError> {
+    let facts = catalogue
+        .check_task(&design.task.task)
+        .map_err(|reason| located(&design.text, vec![("task.plant".to_owned(), reason)]))?;
+    let conditions = design.conditions.iter().enumerate();
+    let complaints: Vec<_> = conditions
+        .filter_map(|(index, condition)| {
+            let reason = catalogue.check_condition(design, condition).err()?;
+            Some((format!("conditions[{index}].rule"), reason))
+        })
         .collect();
+    if complaints.is_empty() { Ok(facts) } else { Err(located(&design.text, complaints)) }
+}
+
+/// Complaints in the order of the file.
+fn located(text: &str, complaints: Vec<(String, String)>) -> DesignError {
+    let problem = |(path, message): (String, String)| Problem {
+        at: place_of(text, &path),
+        message: format!("{path}: {message}"),
+    };
+    let mut problems: Vec<Problem> = complaints.into_iter().map(problem).collect();
     problems.sort_by_key(|problem| problem.at);
-    Err(DesignError { problems })
+    DesignError { problems }
 }
 
 fn unreadable(text: &str, error: &toml::de::Error) -> DesignError {
     let at = error.span().map(|span| line_and_column(text, span.start));
-    let message = error.message().trim_end().to_owned();
-    let message = suggestion(&message).unwrap_or(message);
+    let message = error.message().trim_end();
+    let message = suggestion(message).unwrap_or_else(|| plain(message));
     DesignError { problems: vec![Problem { at, message }] }
 }
 
@@ -40,6 +58,27 @@ fn suggestion(message: &str) -> Option<String> {
         Some(near) => format!("unknown {word} `{got}`; did you mean `{near}`? Known here: {known}"),
         None => format!("unknown {word} `{got}`. Known here: {known}"),
     })
+}
+
+/// A reader's message in the words of somebody who writes no Rust.
+fn plain(message: &str) -> String {
+    if let Some(key) = message.strip_prefix("missing field ") {
+        return format!("the key {key} is missing here");
+    }
+    let rest = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
+    let Some((got, expected)) = rest.and_then(|rest| rest.split_once(", expected ")) else {
+        return message.to_owned();
+    };
+    let expected = match expected {
+        "u32" => "a whole number from 0 to 4294967295",
+        "u64" => "a whole number of 0 or more",
+        "f64" => "a number",
+        "a boolean" => "true or false",
+        "a string" => "a text in quotes",
+        "a sequence" => "a list in brackets",
+        other => other,
+    };
+    format!("expected {expected}, got {got}")
 }
 
 /// The word that is fewest changes away, of those that are near at all: a third of the letters may differ, or one word

@@ -45,7 +45,7 @@ pub struct AttentionCheck {
 
 /// The answer that an attention check asks for.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(untagged, expecting = "a number, or the value of a choice")]
+#[serde(untagged, expecting = "expected a number, or the value of a choice")]
 pub enum RightAnswer {
     /// A point of a scale.
     Number(f64),

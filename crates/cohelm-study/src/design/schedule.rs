@@ -134,3 +134,6 @@ pub(crate) fn draw(seed: u64, purpose: &str, number: u64) -> u64 {
         .finalize();
     u64::from_le_bytes(std::array::from_fn(|byte| digest[byte]))
 }
+
+#[cfg(test)]
+mod tests;

@@ -25,15 +25,15 @@ pub enum Words {
 }
 
 impl Words {
-    /// The text in a language; what is not translated is read in the `first` language, or else in whichever there is.
+    /// The text in a language; what is not translated is read in the `first` language, or else in English, or else in
+    /// whichever there is.
     pub fn read(&self, language: &str, first: &str) -> &str {
         match self {
             Self::Same(text) => text,
-            Self::By(texts) => texts
-                .get(language)
-                .or_else(|| texts.get(first))
-                .or_else(|| texts.values().next())
-                .map_or("", |text| text),
+            Self::By(texts) => {
+                let preferred = [language, first, "en"].into_iter().find_map(|code| texts.get(code));
+                preferred.or_else(|| texts.values().next()).map_or("", |text| text)
+            }
         }
     }
 

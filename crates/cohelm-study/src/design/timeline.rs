@@ -5,11 +5,12 @@
 
 mod setups;
 mod show;
+mod shown;
 
 pub use setups::{Unresolved, flight_key, flight_seed, setup};
-pub use show::{
+pub use show::{Situation, show};
+pub use shown::{
     ShownBreak, ShownChoice, ShownContent, ShownFlight, ShownItem, ShownPage, ShownQuestion, ShownStep,
-    Situation, show,
 };
 
 use super::schedule::Assignment;

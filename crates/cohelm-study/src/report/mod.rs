@@ -13,7 +13,10 @@
 
 mod html;
 mod markdown;
+mod study;
 pub mod tables;
+
+pub use study::study_report;
 
 use crate::figures::Figure;
 use crate::measures::{self, Measure};

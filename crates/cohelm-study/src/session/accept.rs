@@ -80,6 +80,15 @@ pub enum AnswerProblem {
 impl Session {
     /// What an answer at a step becomes: the events to append, in one transaction. A step that is done already takes
     /// nothing more and gives no events, so an answer may come twice. After a consent, append [`Event::Assigned`] too.
+    ///
+    /// | step | data |
+    /// |---|---|
+    /// | consent | `{"agreed": true}`; `false` declines |
+    /// | device | an object; `"ok": false` says that the device cannot keep the rate of ticks |
+    /// | form, questionnaire | `{"item": answer, …}`: a number, a choice's value, a list of these, a text; `null` or nothing if it was left out |
+    /// | quiz | `{"question": "value of the choice", …}` |
+    /// | flight, after its end | [`super::Telemetry`] |
+    /// | all others | an object, kept as it is |
     pub fn accept(&self, design: &Design, step: &str, data: &Value) -> Result<Vec<Event>, AnswerError> {
         let index = self.steps().iter().position(|known| known.id == step);
         let index = index.ok_or_else(|| AnswerError::Unknown { step: step.to_owned() })?;

@@ -31,7 +31,7 @@ impl Session {
     /// itself: analyses leave them out and say so.
     pub fn breaches(&self, design: &Design) -> Vec<Breach> {
         let rules = &design.exclusion;
-        let flights = self.measured_flights(design);
+        let flights = self.measured_flights();
         let quiz_failed = design.quiz.as_ref().is_some_and(|quiz| self.quiz_missed() >= quiz.attempts);
         let flown_by_hand = |place: &FlightPlace| design.conditions[place.condition].rule != Rule::Robot;
         let by_hand: Vec<_> = flights.iter().filter(|(place, _)| flown_by_hand(place)).copied().collect();
@@ -65,7 +65,7 @@ impl Session {
         found.into_iter().flatten().collect()
     }
 
-    fn measured_flights(&self, _design: &Design) -> Vec<(&FlightPlace, &FlightState)> {
+    fn measured_flights(&self) -> Vec<(&FlightPlace, &FlightState)> {
         let measured = self.steps().iter().filter_map(|step| Some((step, step.flight()?)));
         measured
             .filter(|(_, place)| !place.practice)

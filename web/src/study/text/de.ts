@@ -5,12 +5,13 @@ import { clock, type Words } from './en';
 const count = (many: number, one: string, more: string) => `${many} ${many === 1 ? one : more}`;
 
 const CONTROLS: Record<string, string> = {
-  left: 'links',
-  right: 'rechts',
-  main: 'Schub',
+  left: 'linkes Triebwerk',
+  right: 'rechtes Triebwerk',
+  main: 'Haupttriebwerk',
   up: 'hoch',
   down: 'runter',
 };
+const SHORT: Record<string, string> = { left: 'links', right: 'rechts', main: 'Haupt', up: 'hoch', down: 'runter' };
 
 export const de: Words = {
   name: 'Deutsch',
@@ -23,14 +24,15 @@ export const de: Words = {
   minutesLeft: (minutes) =>
     minutes < 1.5 ? 'noch etwa eine Minute' : `noch etwa ${count(Math.round(minutes), 'Minute', 'Minuten')}`,
   connected: 'Verbunden',
-  offline: 'Keine Verbindung: nichts geht verloren, es wird später gesendet',
+  offline: 'Keine Verbindung',
+  offlineText: 'Nichts geht verloren: Es wird gesendet, sobald es wieder eine Verbindung gibt.',
   goOn: 'Weiter',
   back: 'Zurück',
   next: 'Weiter',
-  askUs: (contact) => `Fragen? Schreiben Sie an ${contact}.`,
+  askUs: (contact) => `Fragen? Kontakt: ${contact}`,
 
   withdraw: {
-    open: 'Abbrechen',
+    open: 'Teilnahme beenden',
     title: 'Die Teilnahme zurückziehen?',
     text: 'Sie können jederzeit aufhören und müssen keinen Grund nennen. Wenn Sie sich zurückziehen, wird alles gelöscht, was in dieser Studie von Ihnen aufgezeichnet wurde. Das lässt sich nicht rückgängig machen.',
     pause:
@@ -44,7 +46,7 @@ export const de: Words = {
     title: 'Teilnahme an dieser Studie',
     minutes: (minutes) => `Sie dauert etwa ${count(Math.round(minutes), 'Minute', 'Minuten')}.`,
     version: (version) => `Fassung ${version} dieses Textes.`,
-    leave: 'Mit „Abbrechen“ oben auf der Seite können Sie jederzeit aufhören; Ihre Daten werden dann gelöscht.',
+    leave: 'Mit „Teilnahme beenden“ oben auf der Seite können Sie jederzeit aufhören; Ihre Daten werden dann gelöscht.',
     agree: 'Ich habe dies gelesen und verstanden und nehme freiwillig teil.',
     start: 'Teilnehmen',
     decline: 'Ich nehme nicht teil',
@@ -109,6 +111,7 @@ export const de: Words = {
     press: 'Taste drücken …',
     changeFor: (control) => `Die Taste für „${control}“ ändern`,
     or: 'oder',
+    short: (control) => SHORT[control] ?? control,
     taskLabel: 'Was Sie sehen: oben das Fluggerät, den Boden und die Ziele; Ihres ist bernsteinfarben',
     craft: 'Ihr Fluggerät',
     goal: 'Ihr Ziel, mit ★',
@@ -157,6 +160,7 @@ export const de: Words = {
   },
 
   states: {
+    back: 'Zurück zum Anbieter',
     opening: { title: 'Einen Moment', text: 'Die Studie wird geöffnet.' },
     nobody: {
       title: 'Diese Seite braucht Ihren Link',

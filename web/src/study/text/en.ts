@@ -5,8 +5,8 @@ import type { Problem } from '../steps';
 
 const count = (many: number, one: string, more: string) => `${many} ${many === 1 ? one : more}`;
 
-/** What the plants call their controls in words of their own trade. */
-const CONTROLS: Record<string, string> = { main: 'thrust' };
+/** Controls by the names that plants give them. */
+const CONTROLS: Record<string, string> = { main: 'main engine', left: 'left engine', right: 'right engine' };
 
 const flight: FlightWords = { ...ENGLISH, control: (name) => CONTROLS[name] ?? name };
 
@@ -21,11 +21,12 @@ export const en = {
   minutesLeft: (minutes: number) =>
     minutes < 1.5 ? 'about a minute left' : `about ${count(Math.round(minutes), 'minute', 'minutes')} left`,
   connected: 'Connected',
-  offline: 'No connection: nothing is lost, it is sent later',
+  offline: 'No connection',
+  offlineText: 'Nothing is lost: it is sent as soon as there is a connection again.',
   goOn: 'Continue',
   back: 'Back',
   next: 'Next',
-  askUs: (contact: string) => `Questions? Write to ${contact}.`,
+  askUs: (contact: string) => `Questions? Contact: ${contact}`,
 
   withdraw: {
     open: 'Withdraw',
@@ -106,6 +107,8 @@ export const en = {
     press: 'Press a key …',
     changeFor: (control: string) => `Change the key for “${control}”`,
     or: 'or',
+    /** A control on a drawn key, where there is little room. */
+    short: (control: string): string => control,
     taskLabel: 'What you see: the craft at the top, the ground, and the goals; yours is amber',
     craft: 'your craft',
     goal: 'your goal, marked ★',
@@ -154,6 +157,7 @@ export const en = {
   },
 
   states: {
+    back: 'Back to where you came from',
     opening: { title: 'One moment', text: 'The study opens.' },
     nobody: {
       title: 'This page needs your link',

@@ -22,8 +22,8 @@ use cohelm_lab::parallel;
 use cohelm_server::hangar::Hangar;
 use cohelm_server::store::FlightKey;
 use cohelm_server::verify_episodes;
-use cohelm_server::visit::Aloft;
-use cohelm_server::visit::load::{Planned, Waits, connect, fly};
+use cohelm_server::visit::load::{Waits, connect, fly};
+use cohelm_server::visit::{Aloft, Planned};
 use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;
@@ -107,7 +107,7 @@ impl Serve {
         if self.participants == 0 || self.seconds == 0 {
             bail!("at least one participant must fly for at least one second");
         }
-        if !(self.bound > 0.0) {
+        if self.bound.is_nan() || self.bound <= 0.0 {
             bail!("the bound must be a positive number of milliseconds, got {}", self.bound);
         }
         let folder = TempDir::new().context("cannot make a folder for the database")?;

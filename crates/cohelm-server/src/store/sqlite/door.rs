@@ -5,7 +5,7 @@ use sqlx::migrate::MigrateError;
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
-use sqlx::{ConnectOptions, Connection};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 use std::path::Path;
 use std::time::Duration;
 
@@ -104,6 +104,16 @@ pub async fn connect(path: &Path) -> Result<SqlitePool, StoreError> {
         .await
         .map_err(|error| self::error(path, error))?;
     Ok(pool)
+}
+
+/// How long this connection waits from now on.
+pub async fn wait_for_others(
+    connection: &mut SqliteConnection,
+    patience: Duration,
+) -> Result<(), sqlx::Error> {
+    let sql = format!("PRAGMA busy_timeout = {}", patience.as_millis());
+    // Safe to execute: it holds a number and nothing else.
+    sqlx::query(AssertSqlSafe(sql)).execute(connection).await.map(drop)
 }
 
 /// What an error of the database means.

@@ -1,7 +1,11 @@
 //! What is SQLite's own: files that are not ours, damaged, newer, locked, in the wrong place.
 
+mod backup;
+mod released;
+mod withdrawn;
+
 use super::*;
-use crate::store::{Page, Write};
+use crate::store::{Page, Studies, Write};
 use crate::testing::{Disk, record};
 use std::fs;
 
@@ -143,14 +147,63 @@ async fn a_full_disk_is_said_so_and_takes_nothing_back() {
     let (_folder, path) = written().await;
     let store = SqliteStore::open(&path).await.unwrap();
     // Every connection of the pool may grow the file no further.
+    on_every_connection(&store, "PRAGMA max_page_count = 1").await;
+    let episodes = vec![Write::Episode { record: record(1), at_ms: 0 }; 200];
+    let error = store.commit(&episodes).await.unwrap_err();
+    assert!(matches!(error, StoreError::Full { .. }) && !error.is_about_one_write(), "{error:?}");
+    assert_eq!(store.episodes(Page::newest(999)).await.unwrap().len(), 50);
+    // Somebody makes room.
+    on_every_connection(&store, "PRAGMA max_page_count = 1000000").await;
+    store.commit(&episodes).await.unwrap();
+    assert_eq!(store.episodes(Page::newest(999)).await.unwrap().len(), 250);
+}
+
+async fn on_every_connection(store: &SqliteStore, sql: &'static str) {
     let mut connections = Vec::new();
     for _ in 0..4 {
         let mut connection = store.driver.pool.acquire().await.unwrap();
-        sqlx::query("PRAGMA max_page_count = 1").execute(&mut *connection).await.unwrap();
+        sqlx::query(sql).execute(&mut *connection).await.unwrap();
         connections.push(connection);
     }
-    drop(connections);
-    let error = store.commit(&vec![Write::Episode { record: record(1), at_ms: 0 }; 200]).await.unwrap_err();
-    assert!(matches!(error, StoreError::Full { .. }), "{error:?}");
+}
+
+#[tokio::test]
+async fn a_database_that_may_only_be_read_is_said_so_and_can_be_read() {
+    let (_folder, path) = written().await;
+    let store = SqliteStore::open(&path).await.unwrap();
+    on_every_connection(&store, "PRAGMA query_only = ON").await;
+    let error = store.commit(&[Write::Episode { record: record(1), at_ms: 0 }]).await.unwrap_err();
+    assert!(matches!(error, StoreError::Unwritable { .. }), "{error:?}");
     assert_eq!(store.episodes(Page::newest(100)).await.unwrap().len(), 50);
+}
+
+#[cfg(unix)]
+#[tokio::test]
+async fn a_folder_and_a_file_without_rights_are_said_so() {
+    use std::os::unix::fs::PermissionsExt;
+    let (folder, path) = written().await;
+    let allow = |path: &Path, mode| fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+    for (what, without, with) in [(path.as_path(), 0o444, 0o644), (folder.path(), 0o555, 0o755)] {
+        allow(what, without);
+        let opened = SqliteStore::open(&path).await.map(drop);
+        let new = SqliteStore::open(&folder.path().join("new.db")).await.map(drop);
+        let everything_is_allowed = fs::OpenOptions::new().append(true).open(&path).is_ok()
+            && fs::write(folder.path().join("probe"), "").is_ok();
+        allow(what, with);
+        if everything_is_allowed {
+            // Root may write anyway.
+            assert_eq!((opened, new), (Ok(()), Ok(())));
+        } else {
+            assert!(matches!(opened.or(new), Err(StoreError::Unwritable { .. })), "{what:?}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn what_stands_where_sqlite_wants_its_log_is_said_so() {
+    let (folder, path) = written().await;
+    fs::create_dir(folder.path().join("flights.db-wal")).unwrap();
+    let error = opened(&path).await;
+    assert!(matches!(error, StoreError::Unwritable { .. }), "{error:?}");
+    assert_eq!(error.to_string().matches(&name(&path)).count(), 1, "{error}");
 }

@@ -34,6 +34,7 @@ pub(in crate::design) fn texts(design: &Design) -> Vec<(String, &Words)> {
     for (index, check) in design.attention.checks.iter().enumerate() {
         texts.add_item(&format!("attention.checks[{index}].item"), &check.item);
     }
+    texts.add("block-text", &design.block_text);
     texts.add("debrief", &design.debrief);
     let button = design.panel.as_ref().map(|panel| &panel.button).filter(|button| !button.is_empty());
     texts.add_some("panel.button".to_owned(), button);

@@ -1,0 +1,228 @@
+//! The rules alone: values, confidence and what was asked go in, the choice comes out. For whoever has a robot and a
+//! critic of their own.
+
+use crate::errors::Kind;
+use cohelm::action::Action;
+use cohelm::arbitration::{Arbiter, Likeness, Pick, Rule as CoreRule, Stage};
+use cohelm::value::ActionValues;
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// Most candidate actions of one decision.
+const MOST_CANDIDATES: usize = 1 << 16;
+
+/// A rule of arbitration with its parameters.
+#[pyclass(module = "cohelm", frozen)]
+pub struct Rule {
+    rule: CoreRule,
+    arbiter: Box<dyn Arbiter>,
+}
+
+impl Rule {
+    /// The rule for a cockpit.
+    pub fn rule(&self) -> CoreRule {
+        self.rule
+    }
+}
+
+#[pymethods]
+impl Rule {
+    #[new]
+    #[pyo3(signature = (name, *, alpha=None, kappa=None, median_range=None))]
+    fn new(name: &str, alpha: Option<f64>, kappa: Option<f64>, median_range: Option<f64>) -> PyResult<Self> {
+        let rule = named(name, alpha, kappa)?;
+        // Without a model's card the regret is meant in the values' own units.
+        let arbiter = rule.arbiter(median_range.unwrap_or(1.0)).map_err(|error| Kind::Option.error(error))?;
+        Ok(Self { rule, arbiter })
+    }
+
+    /// The rule's word.
+    #[getter]
+    fn name(&self) -> &'static str {
+        self.rule.word()
+    }
+
+    fn __repr__(&self) -> String {
+        match self.rule {
+            CoreRule::Tolerance { alpha } => format!("Rule('tolerance', alpha={alpha})"),
+            CoreRule::MiscR { kappa } => format!("Rule('misc-r', kappa={kappa})"),
+            rule => format!("Rule('{}')", rule.word()),
+        }
+    }
+
+    /// The index that each row of values is decided for; −1 where nothing is carried out.
+    ///
+    /// `values`: rows × actions; `confidence`: a number a row; `asked`: an index a row, −1 for nothing; `similarity`:
+    /// actions × actions, f(a, asked).
+    fn decide_rows<'py>(
+        &self,
+        py: Python<'py>,
+        values: PyReadonlyArray2<'py, f32>,
+        confidence: PyReadonlyArray1<'py, f32>,
+        asked: PyReadonlyArray1<'py, i64>,
+        similarity: PyReadonlyArray2<'py, f32>,
+    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let (values, confidence, asked) = (values.as_array(), confidence.as_array(), asked.as_array());
+        let (rows, actions) = values.dim();
+        check_sizes(rows, actions, [confidence.len(), asked.len()])?;
+        let similarity = similarity.as_array();
+        if similarity.dim() != (actions, actions) {
+            let message =
+                format!("expected similarities of shape ({actions}, {actions}), got {:?}", similarity.dim());
+            return Err(Kind::Array.error(message));
+        }
+        let candidates = (0..actions).map(|index| Action::axes(&[index as f32])).collect();
+        let mut desk = Desk::new(candidates)?;
+        let mut decided = Vec::with_capacity(rows);
+        for row in 0..rows {
+            let asked = index_of(asked[row], actions)?;
+            let likeness =
+                asked.map(|asked| move |index: usize| (similarity[[index, asked]], index == asked));
+            let pick =
+                desk.decide(self.arbiter.as_ref(), &values.row(row).to_vec(), confidence[row], likeness)?;
+            decided.push(match pick {
+                Pick::Nothing => -1,
+                Pick::Asked => asked.map_or(-1, |asked| asked as i64),
+                Pick::Candidate(index) => index as i64,
+                Pick::Blend { robot, weight } if weight > 0.5 => robot as i64,
+                Pick::Blend { robot, .. } => asked.unwrap_or(robot) as i64,
+            });
+        }
+        Ok(PyArray1::from_vec(py, decided))
+    }
+
+    /// The action that is carried out, of sampled candidates: `candidates` × dimensions with a value each; `asked` a
+    /// vector, or None for nothing. Similarity is minus the Euclidean distance.
+    #[pyo3(signature = (values, candidates, confidence, asked=None))]
+    fn decide_among<'py>(
+        &self,
+        py: Python<'py>,
+        values: PyReadonlyArray1<'py, f32>,
+        candidates: PyReadonlyArray2<'py, f32>,
+        confidence: f32,
+        asked: Option<PyReadonlyArray1<'py, f32>>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f32>>>> {
+        let (values, candidates) = (values.as_array().to_vec(), candidates.as_array());
+        let (count, dimensions) = candidates.dim();
+        check_sizes(1, count, [1, 1])?;
+        let asked = asked.map(|asked| asked.as_array().to_vec());
+        if asked
+            .as_ref()
+            .is_some_and(|asked| asked.len() != dimensions || !asked.iter().all(|x| x.is_finite()))
+        {
+            return Err(Kind::Array.error(format!("expected {dimensions} finite numbers to be asked for")));
+        }
+        let rows: Vec<Vec<f32>> = candidates.rows().into_iter().map(|row| row.to_vec()).collect();
+        let mut desk = Desk::new((0..count).map(|index| Action::axes(&[index as f32])).collect())?;
+        let likeness = asked
+            .as_ref()
+            .map(|asked| |index: usize| (-distance(&rows[index], asked), rows[index] == *asked));
+        let pick = desk.decide(self.arbiter.as_ref(), &values, confidence, likeness)?;
+        let chosen = match pick {
+            Pick::Nothing => None,
+            Pick::Asked => asked,
+            Pick::Candidate(index) => Some(rows[index].clone()),
+            Pick::Blend { robot, weight } => Some(match asked {
+                Some(asked) => blend(&rows[robot], &asked, weight),
+                None => rows[robot].clone(),
+            }),
+        };
+        Ok(chosen.map(|chosen| PyArray1::from_vec(py, chosen)))
+    }
+}
+
+/// Where one decision after the other is made, without allocating anew.
+struct Desk {
+    values: ActionValues,
+    likeness: Vec<Likeness>,
+    allowed: Vec<bool>,
+}
+
+impl Desk {
+    fn new(candidates: Vec<Action>) -> PyResult<Self> {
+        let allowed = vec![false; candidates.len()];
+        let values = ActionValues::equal(candidates).map_err(|error| Kind::Array.error(error))?;
+        Ok(Self { values, likeness: Vec::new(), allowed })
+    }
+
+    fn decide(
+        &mut self,
+        arbiter: &dyn Arbiter,
+        values: &[f32],
+        confidence: f32,
+        likeness: Option<impl Fn(usize) -> (f32, bool)>,
+    ) -> PyResult<Pick> {
+        if !(0.0..=1.0).contains(&confidence) {
+            return Err(Kind::Array.error(format!("a confidence lies in [0, 1], got {confidence}")));
+        }
+        self.values.refill(values).map_err(|error| Kind::Array.error(error))?;
+        self.likeness.clear();
+        if let Some(likeness) = &likeness {
+            self.likeness.extend((0..values.len()).map(|index| {
+                let (similarity, same) = likeness(index);
+                Likeness { similarity, same_label: same, same_effect: same }
+            }));
+        }
+        if self.likeness.iter().any(|likeness| !likeness.similarity.is_finite()) {
+            return Err(Kind::Array.error("similarities must be finite"));
+        }
+        self.allowed.fill(false);
+        let likeness = likeness.is_some().then_some(self.likeness.as_slice());
+        Ok(arbiter.decide(&Stage { values: &self.values, likeness, confidence }, &mut self.allowed))
+    }
+}
+
+fn named(name: &str, alpha: Option<f64>, kappa: Option<f64>) -> PyResult<CoreRule> {
+    let rule = match name {
+        "hic" => CoreRule::Hic,
+        "robot" => CoreRule::Robot,
+        "lasc" => CoreRule::Lasc,
+        "misc" => CoreRule::Misc,
+        "tolerance" => CoreRule::Tolerance { alpha: alpha.unwrap_or(0.6) },
+        "misc-r" => CoreRule::MiscR { kappa: kappa.unwrap_or(cohelm::arbitration::DEFAULT_KAPPA) },
+        _ => {
+            let known = "hic, robot, lasc, misc, tolerance, misc-r";
+            return Err(Kind::Option.error(format!("no rule is called {name:?}; there are: {known}")));
+        }
+    };
+    let foreign = match rule {
+        CoreRule::Tolerance { .. } => kappa.map(|_| "kappa"),
+        CoreRule::MiscR { .. } => alpha.map(|_| "alpha"),
+        _ => alpha.map(|_| "alpha").or(kappa.map(|_| "kappa")),
+    };
+    match foreign {
+        Some(parameter) => Err(Kind::Option.error(format!("the rule {name} has no {parameter}"))),
+        None => Ok(rule),
+    }
+}
+
+fn check_sizes(rows: usize, actions: usize, others: [usize; 2]) -> PyResult<()> {
+    if actions == 0 || actions > MOST_CANDIDATES {
+        return Err(
+            Kind::Array.error(format!("expected values of 1 to {MOST_CANDIDATES} actions, got {actions}"))
+        );
+    }
+    match others.iter().find(|&&length| length != rows) {
+        Some(length) => {
+            Err(Kind::Array.error(format!("expected one number for each of {rows} rows, got {length}")))
+        }
+        None => Ok(()),
+    }
+}
+
+fn index_of(asked: i64, actions: usize) -> PyResult<Option<usize>> {
+    match usize::try_from(asked) {
+        Ok(index) if index < actions => Ok(Some(index)),
+        _ if asked == -1 => Ok(None),
+        _ => Err(Kind::Action
+            .error(format!("expected an action from 0 to {}, or −1 for nothing, got {asked}", actions - 1))),
+    }
+}
+
+fn distance(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
+}
+
+fn blend(robot: &[f32], asked: &[f32], weight: f32) -> Vec<f32> {
+    robot.iter().zip(asked).map(|(robot, asked)| weight * robot + (1.0 - weight) * asked).collect()
+}
