@@ -289,7 +289,13 @@ impl Arm {
         let (hand, [vx, vy]) = (self.joints.hand_at(), self.joints.hand_velocity());
         let [x, y] = position(hand);
         let nearest = self.cups.iter().map(|&cup| distance(hand, cup)).fold(f64::INFINITY, f64::min);
-        let moving = [vx / UNIT_MPS, vy / UNIT_MPS, self.joints.shoulder / 2.0, self.joints.elbow / 2.0, nearest / UNIT_M];
+        let moving = [
+            vx / UNIT_MPS,
+            vy / UNIT_MPS,
+            self.joints.shoulder / 2.0,
+            self.joints.elbow / 2.0,
+            nearest / UNIT_M,
+        ];
         let [right, up] = self.driven;
         let driven = [-right, right, -up, up].map(|part| f64::from(u8::from(part > 0.5)));
         self.shown[..2].copy_from_slice(&[x, y]);
@@ -322,7 +328,8 @@ fn space(actions: Actions) -> ActionSpace {
                 positions: positions.map(String::from).to_vec(),
                 neutral: 1,
             };
-            let levers = vec![lever("away", ["down", "still", "up"]), lever("aside", ["left", "still", "right"])];
+            let levers =
+                vec![lever("away", ["down", "still", "up"]), lever("aside", ["left", "still", "right"])];
             ActionSpace::Levers { levers }
         }
         Actions::Continuous => {
@@ -445,5 +452,8 @@ pub fn entry() -> PlantEntry {
         summary: "A planar arm whose hand takes one of four cups without knocking any over.",
         make: |options| Ok(Box::new(Arm::new(ArmOptions::from_json(options)?))),
         values: None,
+        skill: Some(pilots::skill),
+        actions: ACTIONS,
+        preset: "default",
     }
 }

@@ -32,10 +32,20 @@ pub fn scene(arm: &Arm) -> Scene {
 /// In the order of the movable parts: upper arm, fore-arm, elbow, hand.
 pub fn poses(arm: &Arm, poses: &mut Vec<Pose>) {
     let (elbow, hand) = (arm.joints.elbow_at(), arm.joints.hand_at());
-    let at = |[x, y]: [f64; 2], angle: f64| Pose { x: x as f32, y: y as f32, angle_rad: angle as f32, strength: 1.0 };
+    let at = |[x, y]: [f64; 2], angle: f64| Pose {
+        x: x as f32,
+        y: y as f32,
+        angle_rad: angle as f32,
+        strength: 1.0,
+    };
     let fore_arm = arm.joints.shoulder + arm.joints.elbow;
     poses.clear();
-    poses.extend([at([0.0; 2], arm.joints.shoulder), at(elbow, fore_arm), at(elbow, 0.0), at(hand, fore_arm)]);
+    poses.extend([
+        at([0.0; 2], arm.joints.shoulder),
+        at(elbow, fore_arm),
+        at(elbow, 0.0),
+        at(hand, fore_arm),
+    ]);
 }
 
 fn part(role: Role, shapes: Vec<Shape>) -> Part {

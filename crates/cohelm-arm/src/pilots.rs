@@ -25,11 +25,19 @@ impl Reaching {
         let known = controls(space);
         let key = |name: &str, on_axis: &str| {
             let found = known.iter().position(|control| control.name == name || control.name == on_axis);
-            found.map(|index| index as u8).ok_or_else(|| format!("steering the hand takes a key for {name:?}"))
+            found
+                .map(|index| index as u8)
+                .ok_or_else(|| format!("steering the hand takes a key for {name:?}"))
         };
         let (left, right) = (key("left", "x −")?, key("right", "x +")?);
         let (down, up) = (key("down", "y −")?, key("up", "y +")?);
-        let axis = |name, plus, minus| Axis { name, plus: Some(plus), minus: Some(minus), release: 0.3, droppable: false };
+        let axis = |name, plus, minus| Axis {
+            name,
+            plus: Some(plus),
+            minus: Some(minus),
+            release: 0.3,
+            droppable: false,
+        };
         let mut shown = vec![None; known.len()];
         for (control, lamp) in [(left, LEFT), (right, RIGHT), (down, DOWN), (up, UP)] {
             shown[usize::from(control)] = Some(lamp);

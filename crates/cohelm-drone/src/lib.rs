@@ -136,7 +136,10 @@ impl DroneOptions {
     pub fn from_json(value: &Value) -> Result<Self, String> {
         let options: Self = serde_json::from_value(value.clone()).map_err(|error| error.to_string())?;
         if !(1..=100_000).contains(&options.limit) {
-            return Err(format!("expected option \"limit\" from 1 to 100000, got {}; try 1000", options.limit));
+            return Err(format!(
+                "expected option \"limit\" from 1 to 100000, got {}; try 1000",
+                options.limit
+            ));
         }
         if !(0.0..=5.0).contains(&options.wind) {
             return Err(format!("expected option \"wind\" from 0 to 5, got {}; try 1", options.wind));
@@ -321,7 +324,8 @@ fn space(actions: Actions) -> ActionSpace {
                 positions: positions.map(String::from).to_vec(),
                 neutral: 1,
             };
-            let levers = vec![lever("lift", ["down", "hover", "up"]), lever("roll", ["left", "none", "right"])];
+            let levers =
+                vec![lever("lift", ["down", "hover", "up"]), lever("roll", ["left", "none", "right"])];
             ActionSpace::Levers { levers }
         }
         Actions::Continuous => {
@@ -446,5 +450,8 @@ pub fn entry() -> PlantEntry {
         summary: "A planar drone in gusty wind that lands on one of three pads.",
         make: |options| Ok(Box::new(Drone::new(DroneOptions::from_json(options)?))),
         values: None,
+        skill: Some(pilots::skill),
+        actions: ACTIONS,
+        preset: "default",
     }
 }

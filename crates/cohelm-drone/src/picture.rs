@@ -16,18 +16,23 @@ pub fn scene(drone: &Drone) -> Scene {
         goal: Some(goal as u32),
         shapes: vec![surface(pad), mark(pad, -1.0), mark(pad, 1.0)],
     }));
-    let body = polygon(&[[-0.2, -0.12], [0.2, -0.12], [0.26, 0.02], [0.16, 0.14], [-0.16, 0.14], [-0.26, 0.02]]);
+    let body =
+        polygon(&[[-0.2, -0.12], [0.2, -0.12], [0.26, 0.02], [0.16, 0.14], [-0.16, 0.14], [-0.26, 0.02]]);
     let arm = ARM_M as f32;
     let leg = |side: f32| line(&[[side * 0.12, -0.1], [side * 0.3, -0.25], [side * 0.38, -0.25]]);
     let rotor = |side: f32| line(&[[side * (arm - 0.18), 0.08], [side * (arm + 0.18), 0.08]]);
-    let wash = |side: f32| polygon(&[[side * (arm - 0.14), 0.05], [side * (arm + 0.14), 0.05], [side * arm, -0.55]]);
+    let wash =
+        |side: f32| polygon(&[[side * (arm - 0.14), 0.05], [side * (arm + 0.14), 0.05], [side * arm, -0.55]]);
     Scene {
         bounds: [0.0, -0.6, WIDTH_M as f32, HEIGHT_M as f32],
         fixed,
         movable: vec![
             part(Role::Thrust, vec![wash(-1.0)]),
             part(Role::Thrust, vec![wash(1.0)]),
-            part(Role::Limb, vec![line(&[[-arm, 0.04], [arm, 0.04]]), leg(-1.0), leg(1.0), rotor(-1.0), rotor(1.0)]),
+            part(
+                Role::Limb,
+                vec![line(&[[-arm, 0.04], [arm, 0.04]]), leg(-1.0), leg(1.0), rotor(-1.0), rotor(1.0)],
+            ),
             part(Role::Body, vec![body]),
             part(Role::Decor, vec![Shape::Disc { center: [0.0, 0.02], radius: 0.08 }]),
         ],

@@ -48,7 +48,13 @@ impl Flying {
         };
         let (left, right) = (key("left", "x −")?, key("right", "x +")?);
         let (down, up) = (key("down", "y −")?, key("up", "y +")?);
-        let axis = |name, plus, minus| Axis { name, plus: Some(plus), minus: Some(minus), release: 0.3, droppable: false };
+        let axis = |name, plus, minus| Axis {
+            name,
+            plus: Some(plus),
+            minus: Some(minus),
+            release: 0.3,
+            droppable: false,
+        };
         let mut shown = vec![None; known.len()];
         for (control, lamp) in [(left, LEFT), (right, RIGHT), (down, DOWN), (up, UP)] {
             shown[usize::from(control)] = Some(lamp);
