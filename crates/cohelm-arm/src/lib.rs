@@ -5,13 +5,15 @@
 //! there, and lag behind. A cup is taken by resting at it; one that is hit too fast is knocked over, a crash. A joint
 //! driven to its stop trips the protective stop, which counts as out of bounds.
 //!
-//! The whole plant is this file. `pilots` says what a person who has practised tries to do.
+//! The whole plant is this file: constants, state, options, kinematics, what counts as taken. `picture` draws it, and
+//! [`pilots`] says what a person who has practised tries to do. Sizes and limits are ours, those of a light assistive arm,
+//! where no other source is named.
 //!
 //! ```
 //! use cohelm::{action::Action, plant::Plant};
 //! use cohelm_arm::{Arm, ArmOptions};
 //!
-//! let mut arm = Arm::new(ArmOptions::default());
+//! let mut arm = Arm::new(ArmOptions::default())?;
 //! arm.reset(3);
 //! let before = arm.view().position[0];
 //! let to_the_right = Action::Command(3 * 1 + 2);
@@ -19,6 +21,7 @@
 //!     arm.step(Some(to_the_right));
 //! }
 //! assert!(arm.view().position[0] > before);
+//! # Ok::<(), cohelm_arm::OptionError>(())
 //! ```
 #![forbid(unsafe_code)]
 
@@ -28,7 +31,7 @@ pub mod pilots;
 use cohelm::action::{Action, ActionSpace, Lever};
 use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View};
 use cohelm::random::Draws;
-use cohelm::registry::PlantEntry;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -124,15 +127,21 @@ impl Default for ArmOptions {
 }
 
 impl ArmOptions {
-    /// Reads and checks them.
-    pub fn from_json(value: &Value) -> Result<Self, String> {
-        let options: Self = serde_json::from_value(value.clone()).map_err(|error| error.to_string())?;
-        if (1..=100_000).contains(&options.limit) {
-            Ok(options)
-        } else {
-            Err(format!("expected option \"limit\" from 1 to 100000, got {}; try 750", options.limit))
-        }
+    /// Reads them from an object; whatever it lacks has its default.
+    pub fn from_json(value: &Value) -> Result<Self, OptionError> {
+        serde_json::from_value(value.clone()).map_err(|error| OptionError::Unreadable(error.to_string()))
     }
+}
+
+/// Why there is no such arm.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OptionError {
+    /// Not an object of known options.
+    #[error("{0}; expected an object with some of actions (\"levers\", \"continuous\"), limit")]
+    Unreadable(String),
+    /// No time at all, or half an hour of it.
+    #[error("expected option \"limit\" from 1 to 100000, got {0}; usual is 750")]
+    Limit(u32),
 }
 
 /// Angles of the joints, rad, and how fast they turn, rad/s; the elbow's is relative to the upper arm.
@@ -210,8 +219,11 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// The reach of seed 0.
-    pub fn new(options: ArmOptions) -> Self {
+    /// The reach of seed 0, or what is wrong with the options.
+    pub fn new(options: ArmOptions) -> Result<Self, OptionError> {
+        if !(1..=100_000).contains(&options.limit) {
+            return Err(OptionError::Limit(options.limit));
+        }
         let mut arm = Self {
             options,
             space: space(options.actions),
@@ -225,7 +237,7 @@ impl Arm {
             shown: [0.0; STATE_LENGTH],
         };
         arm.reset(0);
-        arm
+        Ok(arm)
     }
 
     /// Cups and wish of a seed; the hand is placed by the caller. Cups are drawn until they stand apart.
@@ -385,6 +397,10 @@ impl Plant for Arm {
         &self.space
     }
 
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(self.options.limit)
+    }
+
     fn scene(&self) -> Scene {
         picture::scene(self)
     }
@@ -395,6 +411,14 @@ impl Plant for Arm {
 
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn set_pilot_goal(&mut self, goal: usize) -> bool {
+        let known = goal < CUPS;
+        if known {
+            self.wanted = goal;
+        }
+        known
     }
 
     /// From touching the wanted cup to the ordinary start, on a straight line.
@@ -444,13 +468,22 @@ impl Plant for Arm {
     }
 }
 
+/// The action sets to offer where people choose.
+const ACTIONS: &[OfferedActions] = &[
+    OfferedActions::named("levers", "eight directions, held"),
+    OfferedActions::named("continuous", "axes, stick or keys"),
+];
+
 /// The arm's entry in a registry, under the name `arm`.
 pub fn entry() -> PlantEntry {
     PlantEntry {
         name: "arm",
         version: ARM_VERSION,
         summary: "A planar arm whose hand takes one of four cups without knocking any over.",
-        make: |options| Ok(Box::new(Arm::new(ArmOptions::from_json(options)?))),
+        make: |options| {
+            let arm = ArmOptions::from_json(options).and_then(Arm::new);
+            arm.map(|arm| Box::new(arm) as _).map_err(|error| error.to_string())
+        },
         values: None,
         skill: Some(pilots::skill),
         actions: ACTIONS,

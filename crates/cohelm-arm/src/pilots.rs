@@ -4,7 +4,7 @@ use crate::state::{DOWN, LEFT, RIGHT, UP, VX, VY, X, Y};
 use crate::{UNIT_M, UNIT_MPS};
 use cohelm::action::ActionSpace;
 use cohelm::human::{Axis, Plan, Seen, Skill};
-use cohelm::keys::controls;
+use cohelm::keys::{NoControl, control_named, controls};
 use cohelm::random::Draws;
 
 /// An average person's dead band of the hand's place, m.
@@ -21,14 +21,8 @@ pub struct Reaching {
 
 impl Reaching {
     /// One person's, at the keys of the arm's actions; refused where a key is missing.
-    pub fn draw(space: &ActionSpace, draws: &mut Draws) -> Result<Self, String> {
-        let known = controls(space);
-        let key = |name: &str, on_axis: &str| {
-            let found = known.iter().position(|control| control.name == name || control.name == on_axis);
-            found
-                .map(|index| index as u8)
-                .ok_or_else(|| format!("steering the hand takes a key for {name:?}"))
-        };
+    pub fn draw(space: &ActionSpace, draws: &mut Draws) -> Result<Self, NoControl> {
+        let key = |name, on_axis| control_named(space, name, on_axis);
         let (left, right) = (key("left", "x −")?, key("right", "x +")?);
         let (down, up) = (key("down", "y −")?, key("up", "y +")?);
         let axis = |name, plus, minus| Axis {
@@ -38,7 +32,7 @@ impl Reaching {
             release: 0.3,
             droppable: false,
         };
-        let mut shown = vec![None; known.len()];
+        let mut shown = vec![None; controls(space).len()];
         for (control, lamp) in [(left, LEFT), (right, RIGHT), (down, DOWN), (up, UP)] {
             shown[usize::from(control)] = Some(lamp);
         }
@@ -59,4 +53,10 @@ impl Skill for Reaching {
             errors[i] = (gap - self.foresight_s * UNIT_MPS * seen.state[velocity]) / PLACE_DEAD_BAND;
         }
     }
+}
+
+/// One person's skill at the keys of one of the arm's action sets: what the arm's entry names.
+pub fn skill(space: &ActionSpace, draws: &mut Draws) -> Result<Box<dyn Skill>, String> {
+    let skill = Reaching::draw(space, draws).map_err(|error| error.to_string())?;
+    Ok(Box::new(skill))
 }

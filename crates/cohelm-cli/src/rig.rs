@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 pub fn plants() -> Plants {
     let mut plants = Plants::default();
     cohelm_lander::register(&mut plants);
+    plants.register(cohelm_drone::entry());
+    plants.register(cohelm_arm::entry());
     plants.register(cohelm::point::entry());
     plants
 }

@@ -5,19 +5,23 @@
 //! levels the drone by itself, so that whoever flies it balances. Landing is one event: both feet reach a pad gently and
 //! upright. Everything else that touches anything is a crash.
 //!
-//! The whole plant is this file. `pilots` says what a person who has practised tries to do.
+//! The whole plant is this file: constants, state, options, Newton, what counts as landed. `picture` draws it, and
+//! [`pilots`] says what a person who has practised tries to do. The equations are those of the planar quadrotor (Tedrake,
+//! *Underactuated Robotics*, chapter 3) with drag and gusts; sizes and limits are ours, those of a small camera drone,
+//! where no other source is named.
 //!
 //! ```
 //! use cohelm::{action::Action, plant::Plant};
 //! use cohelm_drone::{Drone, DroneOptions};
 //!
-//! let mut drone = Drone::new(DroneOptions::default());
+//! let mut drone = Drone::new(DroneOptions::default())?;
 //! drone.reset(7);
 //! let (down, hover, up) = (1, 4, 7); // each with no roll
 //! for command in [up, hover, down] {
 //!     drone.step(Some(Action::Command(command)));
 //! }
 //! assert_eq!((drone.view().tick, drone.view().goals.len()), (3, 3));
+//! # Ok::<(), cohelm_drone::OptionError>(())
 //! ```
 #![forbid(unsafe_code)]
 
@@ -27,7 +31,7 @@ pub mod pilots;
 use cohelm::action::{Action, ActionSpace, Lever};
 use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View};
 use cohelm::random::Draws;
-use cohelm::registry::PlantEntry;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -57,9 +61,9 @@ const ROLL_SHARE: f64 = 0.03;
 const DRAG_PER_S: f64 = 0.25;
 /// Share of the spin that the air takes in a second.
 const SPIN_DRAG_PER_S: f64 = 0.8;
-/// Gusts push sideways: standard deviation, m/s².
+/// Gusts push sideways: standard deviation, m/s². At five times that it cannot be held over a pad.
 const GUST_MPS2: f64 = 0.4;
-/// And last for about so long, s.
+/// And last for about so long, s: first-order noise, as the gusts along the flight of the Dryden model (MIL-F-8785C).
 const GUST_S: f64 = 1.5;
 /// Half the width of a pad, m.
 pub(crate) const PAD_HALF_WIDTH_M: f64 = 1.0;
@@ -77,6 +81,9 @@ const GENTLE_MPS: f64 = 1.5;
 const STRAIGHT_MPS: f64 = 1.0;
 /// And this tilt, rad.
 const UPRIGHT_RAD: f64 = 0.3;
+/// A foot that is found deeper than this below a pad's surface, m, came from the side and hit the pillar: at the fastest
+/// gentle descent a tick is 0.03 m.
+const FROM_ABOVE_M: f64 = 0.15;
 
 /// Half the width of the world is one unit of position, m.
 const UNIT_M: f64 = WIDTH_M / 2.0;
@@ -132,20 +139,40 @@ impl Default for DroneOptions {
 }
 
 impl DroneOptions {
-    /// Reads and checks them.
-    pub fn from_json(value: &Value) -> Result<Self, String> {
-        let options: Self = serde_json::from_value(value.clone()).map_err(|error| error.to_string())?;
-        if !(1..=100_000).contains(&options.limit) {
-            return Err(format!(
-                "expected option \"limit\" from 1 to 100000, got {}; try 1000",
-                options.limit
-            ));
-        }
-        if !(0.0..=5.0).contains(&options.wind) {
-            return Err(format!("expected option \"wind\" from 0 to 5, got {}; try 1", options.wind));
-        }
-        Ok(options)
+    /// Reads them from an object; whatever it lacks has its default.
+    pub fn from_json(value: &Value) -> Result<Self, OptionError> {
+        serde_json::from_value(value.clone()).map_err(|error| OptionError::Unreadable(error.to_string()))
     }
+
+    fn check(&self) -> Result<(), OptionError> {
+        in_range("limit", self.limit.into(), [1.0, 100_000.0], 1000.0)?;
+        in_range("wind", self.wind, [0.0, 5.0], 1.0)
+    }
+}
+
+fn in_range(option: &'static str, got: f64, range: [f64; 2], usual: f64) -> Result<(), OptionError> {
+    let inside = (range[0]..=range[1]).contains(&got);
+    if inside { Ok(()) } else { Err(OptionError::OutOfRange { option, got, range, usual }) }
+}
+
+/// Why there is no such drone.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum OptionError {
+    /// Not an object of known options.
+    #[error("{0}; expected an object with some of actions (\"levers\", \"continuous\"), limit, wind")]
+    Unreadable(String),
+    /// A number that cannot be.
+    #[error("expected option {option:?} from {} to {}, got {got}; usual is {usual}", .range[0], .range[1])]
+    OutOfRange {
+        /// Which option.
+        option: &'static str,
+        /// What was given.
+        got: f64,
+        /// The least and the greatest that can be.
+        range: [f64; 2],
+        /// What is usual.
+        usual: f64,
+    },
 }
 
 /// Where the drone is and how it moves: m, m/s, rad (counter-clockwise), rad/s.
@@ -178,8 +205,9 @@ pub struct Drone {
 }
 
 impl Drone {
-    /// The flight of seed 0.
-    pub fn new(options: DroneOptions) -> Self {
+    /// The flight of seed 0, or what is wrong with the options.
+    pub fn new(options: DroneOptions) -> Result<Self, OptionError> {
+        options.check()?;
         let mut drone = Self {
             options,
             space: space(options.actions),
@@ -194,7 +222,7 @@ impl Drone {
             shown: [0.0; STATE_LENGTH],
         };
         drone.reset(0);
-        drone
+        Ok(drone)
     }
 
     /// Pads, goal and wind of a seed; the drone is placed by the caller.
@@ -286,8 +314,7 @@ impl Drone {
         let gently = vy.abs() <= GENTLE_MPS && vx.abs() <= STRAIGHT_MPS && tilt.abs() <= UPRIGHT_RAD;
         let feet = FEET_M.map(|foot| self.in_world(foot));
         let over = |pad: &[f64; 2]| feet.iter().all(|foot| (foot[0] - pad[0]).abs() <= PAD_HALF_WIDTH_M);
-        // A foot far below the surface came from the side: it hit the pillar.
-        let from_above = |pad: &[f64; 2]| feet.iter().all(|foot| foot[1] > pad[1] - 0.15);
+        let from_above = |pad: &[f64; 2]| feet.iter().all(|foot| foot[1] > pad[1] - FROM_ABOVE_M);
         match self.pads.iter().position(|pad| over(pad) && from_above(pad)) {
             Some(pad) if gently && pad == self.wanted => Ending::Goal,
             Some(_) if gently => Ending::Elsewhere,
@@ -379,6 +406,10 @@ impl Plant for Drone {
         &self.space
     }
 
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(self.options.limit)
+    }
+
     fn scene(&self) -> Scene {
         picture::scene(self)
     }
@@ -389,6 +420,14 @@ impl Plant for Drone {
 
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn set_pilot_goal(&mut self, goal: usize) -> bool {
+        let known = goal < PADS;
+        if known {
+            self.wanted = goal;
+        }
+        known
     }
 
     /// From standing over the goal to anywhere: places, speeds and tilt are mixed by the difficulty.
@@ -414,12 +453,16 @@ impl Plant for Drone {
         true
     }
 
+    /// Left and right.
     fn mirror(&self) -> Option<Mirror> {
         let signs = [-1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, 1.0, 1.0];
         let mut state: Vec<(usize, f32)> = signs.into_iter().enumerate().collect();
         state.extend([(state::RIGHT, 1.0), (state::LEFT, 1.0)]);
-        let commands = (0..9).map(|command| command / 3 * 3 + (2 - command % 3)).collect();
-        (self.options.actions == Actions::Levers).then_some(Mirror { state, position: [-1.0, 1.0], commands })
+        let (commands, axes) = match self.options.actions {
+            Actions::Levers => ((0..9).map(|command| command / 3 * 3 + (2 - command % 3)).collect(), vec![]),
+            Actions::Continuous => (vec![], vec![(0, -1.0), (1, 1.0)]),
+        };
+        Some(Mirror { state, position: [-1.0, 1.0], commands, axes })
     }
 
     /// Leans against distance and drift, comes down where it is over the pad.
@@ -442,13 +485,22 @@ impl Plant for Drone {
     }
 }
 
+/// The action sets to offer where people choose.
+const ACTIONS: &[OfferedActions] = &[
+    OfferedActions::named("levers", "lift × roll, held"),
+    OfferedActions::named("continuous", "axes, stick or keys"),
+];
+
 /// The drone's entry in a registry, under the name `drone`.
 pub fn entry() -> PlantEntry {
     PlantEntry {
         name: "drone",
         version: DRONE_VERSION,
         summary: "A planar drone in gusty wind that lands on one of three pads.",
-        make: |options| Ok(Box::new(Drone::new(DroneOptions::from_json(options)?))),
+        make: |options| {
+            let drone = DroneOptions::from_json(options).and_then(Drone::new);
+            drone.map(|drone| Box::new(drone) as _).map_err(|error| error.to_string())
+        },
         values: None,
         skill: Some(pilots::skill),
         actions: ACTIONS,

@@ -4,7 +4,7 @@ use crate::state::{DOWN, LEFT, RIGHT, ROOM, SPIN, TILT, UP, VX, VY, X, Y};
 use crate::{UNIT_M, UNIT_MPS, UNIT_RAD_S};
 use cohelm::action::ActionSpace;
 use cohelm::human::{Axis, Plan, Seen, Skill};
-use cohelm::keys::controls;
+use cohelm::keys::{NoControl, control_named, controls};
 use cohelm::random::Draws;
 
 /// Tilt wanted for a metre beside the pad, rad.
@@ -40,12 +40,8 @@ pub struct Flying {
 
 impl Flying {
     /// One person's, at the keys of the drone's actions; refused where a key is missing.
-    pub fn draw(space: &ActionSpace, draws: &mut Draws) -> Result<Self, String> {
-        let known = controls(space);
-        let key = |name: &str, on_axis: &str| {
-            let found = known.iter().position(|control| control.name == name || control.name == on_axis);
-            found.map(|index| index as u8).ok_or_else(|| format!("flying the drone takes a key for {name:?}"))
-        };
+    pub fn draw(space: &ActionSpace, draws: &mut Draws) -> Result<Self, NoControl> {
+        let key = |name, on_axis| control_named(space, name, on_axis);
         let (left, right) = (key("left", "x −")?, key("right", "x +")?);
         let (down, up) = (key("down", "y −")?, key("up", "y +")?);
         let axis = |name, plus, minus| Axis {
@@ -55,7 +51,7 @@ impl Flying {
             release: 0.3,
             droppable: false,
         };
-        let mut shown = vec![None; known.len()];
+        let mut shown = vec![None; controls(space).len()];
         for (control, lamp) in [(left, LEFT), (right, RIGHT), (down, DOWN), (up, UP)] {
             shown[usize::from(control)] = Some(lamp);
         }
@@ -82,4 +78,10 @@ impl Skill for Flying {
         let climb = if waits { 0.3 } else { -sink.min(FASTEST_DESCENT) };
         errors[1] = (climb - UNIT_MPS * state[VY]) / DESCENT_DEAD_BAND;
     }
+}
+
+/// One person's skill at the keys of one of the drone's action sets: what the drone's entry names.
+pub fn skill(space: &ActionSpace, draws: &mut Draws) -> Result<Box<dyn Skill>, String> {
+    let skill = Flying::draw(space, draws).map_err(|error| error.to_string())?;
+    Ok(Box::new(skill))
 }

@@ -19,6 +19,8 @@ const PEOPLE: u64 = 0x0064_6573_6b00;
 pub fn plants() -> Plants {
     let mut plants = Plants::default();
     cohelm_lander::register(&mut plants);
+    plants.register(cohelm_drone::entry());
+    plants.register(cohelm_arm::entry());
     plants.register(cohelm::point::entry());
     plants
 }
