@@ -67,12 +67,7 @@ impl Actions<'_> {
         }
     }
 
-    fn read_axes(
-        &self,
-        array: &Bound<'_, PyAny>,
-        axes: usize,
-        into: &mut [Option<Action>],
-    ) -> PyResult<()> {
+    fn read_axes(&self, array: &Bound<'_, PyAny>, axes: usize, into: &mut [Option<Action>]) -> PyResult<()> {
         let worlds = self.worlds;
         let wrong = || Kind::Action.error(format!("expected a float32 array of shape ({worlds}, {axes})"));
         let rows: PyReadonlyArray2<'_, f32> = array.extract().map_err(|_| wrong())?;
@@ -83,7 +78,8 @@ impl Actions<'_> {
         for (world, (into, row)) in into.iter_mut().zip(rows.rows()).enumerate() {
             let action = Action::axes(&row.to_vec());
             if !self.space.contains(action) {
-                let message = format!("world {world}: expected axes within their bounds, all finite, got {row}");
+                let message =
+                    format!("world {world}: expected axes within their bounds, all finite, got {row}");
                 return Err(Kind::Action.error(message));
             }
             *into = Some(action);

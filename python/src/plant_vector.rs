@@ -251,7 +251,8 @@ impl PlantVector {
         if rules.autoreset == Autoreset::Disabled
             && let Some(over) = seats.iter().position(|seat| seat.over)
         {
-            let message = format!("the episode of world {over} is over: reset it (options={{'reset_mask': …}})");
+            let message =
+                format!("the episode of world {over} is over: reset it (options={{'reset_mask': …}})");
             return Err(Kind::Closed.error(message));
         }
         let (asked, pool) = (&self.actions, self.pool.as_ref());
@@ -284,7 +285,8 @@ impl PlantVector {
             stages.set_item("goal", PyArray1::from_vec(py, goals))?;
             let confidence = told.iter().map(|told| told.confidence).collect();
             stages.set_item("confidence", PyArray1::from_vec(py, confidence))?;
-            let truths = |choose: fn(&Record) -> bool| PyArray1::from_vec(py, told.iter().map(choose).collect());
+            let truths =
+                |choose: fn(&Record) -> bool| PyArray1::from_vec(py, told.iter().map(choose).collect());
             stages.set_item("intervened", truths(|told| told.intervention.effective))?;
             stages.set_item("opposed", truths(|told| told.intervention.opposed))?;
         }

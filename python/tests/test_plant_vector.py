@@ -1,4 +1,4 @@
-"""The native vectors of the flag task: world by world, seed by seed, what single environments are in Gymnasium's vector."""
+"""The native vectors of plants: world by world, seed by seed, what single environments are in Gymnasium's vector."""
 
 import cohelm
 import gymnasium
@@ -11,6 +11,8 @@ TASKS = [
     ("cohelm/FlagLander-v1", {"limit": 90}),
     ("cohelm/FlagLander-v1", {"actions": "continuous", "goal_visible": False, "limit": 90}),
     ("cohelm/FlagLander-v1", {"actions": "main-side", "elsewhere": "end"}),
+    ("cohelm/PlantTask-v1", {"plant": "drone", "limit": 90}),
+    ("cohelm/PlantTask-v1", {"plant": "arm", "limit": 90}),
     ("cohelm/SharedControl-v1", {"rule": "misc", "inference": "softmax", "limit": 90}),
     ("cohelm/SharedControl-v1", {"rule": "lasc", "inference": "known", "silence": "nothing", "limit": 60}),
 ]
@@ -129,7 +131,9 @@ def test_what_is_wrong_is_refused_in_words():
     with pytest.raises(cohelm.OptionError, match="draws nothing"):
         native("cohelm/FlagLander-v1", AutoresetMode.NEXT_STEP, render_mode="rgb_array")
     with pytest.raises(cohelm.ModelError, match="does not fit"):
-        native("cohelm/SharedControl-v1", AutoresetMode.NEXT_STEP, values=cohelm.shipped()["flag-lander-main-side.values"])
+        native(
+            "cohelm/SharedControl-v1", AutoresetMode.NEXT_STEP, values=cohelm.shipped()["flag-lander-main-side.values"]
+        )
     vector.close()
     with pytest.raises(cohelm.ClosedError, match="was closed"):
         vector.step(np.zeros(WORLDS, dtype=np.int64))

@@ -180,7 +180,12 @@ impl GymnasiumLander {
 
     /// `reset(seed=seed)`: begins the episode that this seed fixes.
     pub fn reset(&mut self, seed: u64) -> Observation {
-        self.random = Generator::new(seed);
+        self.restart_with(Generator::new(seed))
+    }
+
+    /// Begins the episode that these random numbers fix: what [`GymnasiumLander::random`] gave before another began it.
+    pub fn restart_with(&mut self, random: Generator) -> Observation {
+        self.random = random;
         self.restart()
     }
 
@@ -242,6 +247,11 @@ impl GymnasiumLander {
     /// What the last tick, or the reset, showed.
     pub fn observation(&self) -> Observation {
         observation(&self.state())
+    }
+
+    /// The random numbers that follow.
+    pub fn random(&self) -> &Generator {
+        &self.random
     }
 
     /// Ticks flown since the episode began.

@@ -159,7 +159,7 @@ class PlantVector:
 
 @final
 class SimulatedPilot:
-    """A model of a person at the keys of a world; never a person."""
+    """A model of a person at the keys of a world; never a person. A copy, or a pickle, is the same person before an episode."""
 
     def __init__(self, world: World, *, population: str = "ordinary", seed: int = 1, index: int = 0) -> None: ...
     def reset(self, seed: int) -> None:
@@ -244,6 +244,12 @@ class IntentModel:
 
 def shipped() -> dict[str, ValueModel | IntentModel]:
     """The models that come with the package, by name."""
+
+def shipped_for(plant: str, options_json: str) -> tuple[ValueModel | None, IntentModel | None]:
+    """The models among them that are meant for a plant with these options, unless others are named."""
+
+def plants() -> dict[str, str]:
+    """The plants there are: what each is, by name."""
 
 def train_values(order_json: str, progress: Callable[[str, int, int], None] | None = None) -> tuple[ValueModel, str]:
     """See :func:`cohelm.train_values`."""

@@ -11,16 +11,16 @@ from gymnasium import spaces
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
-from ._native import IntentModel, Lander, ValueModel, World, shipped
+from ._native import IntentModel, Lander, ValueModel, World, shipped_for
 from .arbitration import Rule
-from .errors import ModelError, OptionError
+from .errors import OptionError
 from .screen import Screen
 
 # What Gymnasium's LunarLander declares, digit for digit.
 _LANDER_LOW = np.array([-2.5, -2.5, -10.0, -10.0, -2 * np.pi, -10.0, -0.0, -0.0], dtype=np.float32)
 _LANDER_HIGH = np.array([2.5, 2.5, 10.0, 10.0, 2 * np.pi, 10.0, 1.0, 1.0], dtype=np.float32)
 _LANDER_SIZE = (600, 400)
-_FLAG_SIZE = (800, 600)
+_PICTURE_SIZE = (800, 600)
 # Beyond it JavaScript's numbers, which name seeds in the page, are no longer exact.
 MOST_SEED = 2**53
 
@@ -113,25 +113,26 @@ class LunarLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
         self._screen.show(self._lander.render)
 
 
-class FlagLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
-    """The paper's task: three pairs of flags at random places, one of them the goal.
+class PlantTask(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
+    """A task of any plant: goals, one of them the pilot's own. ``cohelm.plants()`` says which plants there are.
 
     Observation (float32): the plant's state, then x and y of every goal relative to the plant, and if ``goal_visible`` a 1 at
-    the pilot's own goal and 0 at the others. Actions: the commands of the action set ``actions`` and, last, one that asks
-    for nothing (``continuous`` has two throttles instead). Reward: see ``cohelm``'s ``docs/lander.md``.
-
-    Keyword arguments are options of the plant ``flag-lander``: ``actions`` (``"switches"``, ``"main-side"``,
-    ``"gymnasium"``, ``"continuous"``), ``limit`` (ticks), ``shaping``, ``elsewhere`` and others.
+    the pilot's own goal and 0 at the others. Actions: the plant's commands and, last, one that asks for nothing; or the plant's
+    axes. Other keyword arguments are options of the plant. What they and the numbers mean is told where the plant is described.
     """
 
     metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 50}
 
-    def __init__(self, render_mode: str | None = None, goal_visible: bool = True, **options: Any) -> None:
-        EzPickle.__init__(self, render_mode, goal_visible, **options)
+    def __init__(
+        self, render_mode: str | None = None, goal_visible: bool = True, plant: str = "flag-lander", **options: Any
+    ) -> None:
+        EzPickle.__init__(self, render_mode, goal_visible, plant, **options)
+        self.plant = plant
         self.goal_visible = goal_visible
         self.render_mode = render_mode
         self.world = self._make(json.dumps(options))
-        self._screen = Screen(render_mode, self.metadata, _FLAG_SIZE)
+        self.metadata = {**self.metadata, "render_fps": round(self.world.ticks_per_second)}
+        self._screen = Screen(render_mode, self.metadata, _PICTURE_SIZE)
         self._begun = False
         commands, axes = self.world.commands, self.world.axes
         if axes is None:
@@ -145,7 +146,7 @@ class FlagLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
         self.observation_space = spaces.Box(-np.inf, np.inf, size, dtype=np.float32)
 
     def _make(self, options: str) -> World:
-        return World("flag-lander", options)
+        return World(self.plant, options)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -181,7 +182,7 @@ class FlagLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
         self.world = world.snapshot()
         self.np_random.bit_generator.state = numbers
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> FlagLander:
+    def __deepcopy__(self, memo: dict[int, Any]) -> PlantTask:
         """A copy in the same state, unlike a pickle, which as Gymnasium's holds the arguments only."""
         arguments: Any = (self._ezpickle_args, self._ezpickle_kwargs)
         copied = type(self)(*arguments[0], **arguments[1])
@@ -204,7 +205,9 @@ class FlagLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
     def _told(self, tick: dict[str, Any]) -> dict[str, Any]:
         for action in ("asked", "executed"):
             if tick[action] is None:
-                tick[action] = -1 if self.nothing is not None else np.full(self.action_space.shape or (), np.nan, np.float32)
+                tick[action] = (
+                    -1 if self.nothing is not None else np.full(self.action_space.shape or (), np.nan, np.float32)
+                )
         for difference in ("intervened", "opposed"):
             if difference in tick:
                 tick[difference] = bool(tick[difference])
@@ -223,19 +226,33 @@ class FlagLander(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
         self._screen.show(self.world.render)
 
 
-class SharedControl(FlagLander):
-    """The flag task with a co-pilot in it: the agent is the pilot, and what it asks for is arbitrated.
+class FlagLander(PlantTask):
+    """The paper's task: three pairs of flags at random places, one of them the goal. See :class:`PlantTask`.
+
+    Keyword arguments are options of the plant ``flag-lander``: ``actions`` (``"switches"``, ``"main-side"``,
+    ``"gymnasium"``, or ``"continuous"`` with two throttles), ``limit`` (ticks), ``shaping``, ``elsewhere`` and others. Reward:
+    see ``docs/lander.md``.
+    """
+
+    def __init__(self, render_mode: str | None = None, goal_visible: bool = True, **options: Any) -> None:
+        super().__init__(render_mode, goal_visible, "flag-lander", **options)
+        EzPickle.__init__(self, render_mode, goal_visible, **options)
+
+
+class SharedControl(PlantTask):
+    """A task with a co-pilot in it: the agent is the pilot, and what it asks for is arbitrated. See :class:`PlantTask`.
 
     ``rule`` is a :class:`cohelm.Rule` or its name; ``inference`` is ``"inverse-distance"`` (the paper's), ``"softmax"``,
-    ``"calibrated"``, ``"nearest"`` or ``"known"``; ``values`` and ``intent`` are models, the shipped ones unless given.
-    ``info`` holds every stage of the tick: ``asked``, ``goal``, ``confidence``, ``probabilities``, ``values``, ``allowed``,
-    ``executed``, ``intervened``, ``opposed``.
+    ``"calibrated"``, ``"nearest"`` or ``"known"``; ``values`` and ``intent`` are models, the shipped ones for the plant and its
+    actions unless given. ``info`` holds every stage of the tick: ``asked``, ``goal``, ``confidence``, ``probabilities``,
+    ``values``, ``allowed``, ``executed``, ``intervened``, ``opposed``.
     """
 
     def __init__(
         self,
         render_mode: str | None = None,
         goal_visible: bool = True,
+        plant: str = "flag-lander",
         rule: Rule | str = "misc",
         inference: str = "inverse-distance",
         silence: str = "best",
@@ -246,21 +263,19 @@ class SharedControl(FlagLander):
         self.rule = Rule(rule) if isinstance(rule, str) else rule
         self._help = {"inference": inference, "silence": silence}
         self._models = (values, intent)
-        super().__init__(render_mode, goal_visible, **options)
-        EzPickle.__init__(self, render_mode, goal_visible, rule, inference, silence, values, intent, **options)
+        super().__init__(render_mode, goal_visible, plant, **options)
+        EzPickle.__init__(self, render_mode, goal_visible, plant, rule, inference, silence, values, intent, **options)
 
     def _make(self, options: str) -> World:
         values, intent = self._models
-        actions = json.loads(options).get("actions", "switches")
-        if values is None:
-            values = _usual(f"flag-lander-{actions}.values")
-        if intent is None and self._help["inference"] not in ("nearest", "known"):
-            intent = _usual(f"flag-lander-{actions}.intent")
-        return World("flag-lander", options, rule=self.rule.native, values=values, intent=intent, **self._help)
+        if values is None or intent is None:
+            usual_values, usual_intent = shipped_for(self.plant, options)
+            values, intent = values or usual_values, intent or usual_intent
+        return World(self.plant, options, rule=self.rule.native, values=values, intent=intent, **self._help)
 
 
 class CriticView(gymnasium.Wrapper[NDArray[np.float32], Any, NDArray[np.float32], Any]):
-    """The flag task as a value model sees it, for training a critic of one's own with any library.
+    """A task as a value model sees it, for training a critic of one's own with any library.
 
     Observation: the plant's state, then the pilot's own goal relative to the plant (x, y). Actions: the commands, without the
     one that asks for nothing. A network of dense layers with ReLU that was trained on it becomes a value model by
@@ -296,10 +311,3 @@ class CriticView(gymnasium.Wrapper[NDArray[np.float32], Any, NDArray[np.float32]
         world = self._world
         own = world.goals()[world.pilot_goal] - np.array(world.position(), np.float32)
         return np.concatenate([world.state(), own])
-
-
-def _usual(name: str) -> Any:
-    models = shipped()
-    if name not in models:
-        raise ModelError(f"no shipped model is called {name!r}; there are: {', '.join(models)}")
-    return models[name]

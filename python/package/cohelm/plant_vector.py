@@ -1,8 +1,7 @@
-"""Many worlds of the flag task at once, each with a co-pilot of its own or with none, stepped natively on all cores."""
+"""Many worlds of a plant at once, each with a co-pilot of its own or with none, stepped natively on all cores."""
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
@@ -11,15 +10,14 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ._native import IntentModel, PlantVector, ValueModel
-from .arbitration import Rule
-from .envs import MOST_SEED, FlagLander, SharedControl
+from ._native import PlantVector
+from .envs import MOST_SEED, FlagLander, PlantTask, SharedControl
 from .errors import ClosedError, OptionError
 from .vector import MODES
 
 
-class FlagLanderVector(VectorEnv):
-    """``gymnasium.make_vec("cohelm/FlagLander-v1", num_envs=…, vectorization_mode="vector_entry_point")``.
+class PlantTaskVector(VectorEnv):
+    """``gymnasium.make_vec("cohelm/PlantTask-v1", num_envs=…, vectorization_mode="vector_entry_point", plant=…)``.
 
     World i is bit for bit what a single environment would be. With ``copy=False`` the arrays that ``step`` returns are the
     same ones every time and are written anew by the next call. ``threads=0`` uses all cores. Other keyword arguments are those
@@ -62,8 +60,8 @@ class FlagLanderVector(VectorEnv):
         self._numbers: list[np.random.Generator | None] = [None] * num_envs
         self._next = np.zeros(num_envs, dtype=np.uint64)
 
-    def _single(self, **arguments: Any) -> FlagLander:
-        return FlagLander(**arguments)
+    def _single(self, **arguments: Any) -> PlantTask:
+        return PlantTask(**arguments)
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -93,7 +91,7 @@ class FlagLanderVector(VectorEnv):
         observations, rewards, terminated, truncated, last, restarted = stepped
         over = terminated | truncated
         for world in np.flatnonzero(restarted):
-            self._draw(world)
+            self._draw(int(world))
         infos = self._begun(restarted, seeds.astype(np.int64)) if restarted.any() else {}
         stages: dict[str, NDArray[Any]] = native.stages()
         if over.any():
@@ -147,24 +145,18 @@ class FlagLanderVector(VectorEnv):
         return _masked({"seed": seeds, "goal": self._native().pilot_goals()}, where, {})
 
 
-class SharedControlVector(FlagLanderVector):
+class FlagLanderVector(PlantTaskVector):
+    """``gymnasium.make_vec("cohelm/FlagLander-v1", num_envs=…, vectorization_mode="vector_entry_point")``."""
+
+    def _single(self, **arguments: Any) -> FlagLander:
+        return FlagLander(**arguments)
+
+
+class SharedControlVector(PlantTaskVector):
     """``gymnasium.make_vec("cohelm/SharedControl-v1", num_envs=…, vectorization_mode="vector_entry_point")``.
 
-    As :class:`FlagLanderVector`, with a co-pilot in every world; keyword arguments as :class:`cohelm.envs.SharedControl`.
+    A co-pilot in every world; keyword arguments as those of :class:`cohelm.envs.SharedControl`.
     """
-
-    def __init__(
-        self,
-        num_envs: int = 1,
-        rule: Rule | str = "misc",
-        inference: str = "inverse-distance",
-        silence: str = "best",
-        values: ValueModel | None = None,
-        intent: IntentModel | None = None,
-        **options: Any,
-    ) -> None:
-        helping = {"rule": rule, "inference": inference, "silence": silence, "values": values, "intent": intent}
-        super().__init__(num_envs, **helping, **options)
 
     def _single(self, **arguments: Any) -> SharedControl:
         return SharedControl(**arguments)
@@ -177,6 +169,7 @@ def _masked(arrays: dict[str, NDArray[Any]], where: NDArray[np.bool_], infos: di
     for name, array in arrays.items():
         there, mask = infos.get(name), infos.get(f"_{name}", np.zeros(len(where), dtype=bool))
         nothing = None if array.dtype == object else array.dtype.type(0)
-        infos[name] = np.where(where.reshape((-1,) + (1,) * (array.ndim - 1)), array, nothing if there is None else there)
+        elsewhere: Any = nothing if there is None else there
+        infos[name] = np.where(where.reshape((-1,) + (1,) * (array.ndim - 1)), array, elsewhere)
         infos[f"_{name}"] = mask | where
     return infos

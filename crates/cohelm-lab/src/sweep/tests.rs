@@ -123,6 +123,7 @@ fn the_report_has_every_condition_and_says_what_is_missing() {
     let text = document("Small", &finished, planned.len()).unwrap().markdown();
     assert!(text.contains("18 of 20 jobs have finished"), "{text}");
     assert!(text.contains("misc-r 0.5, softmax"));
+    assert!(text.contains(&format!("sources {}", planned[0].job.code.sources)));
     assert_eq!(by_episode(&finished).rows().len(), 2 * finished.len());
     assert_eq!(by_job(&finished).rows().len(), finished.len());
     assert_eq!(where_it_ran(&finished).rows().len(), finished.len());
