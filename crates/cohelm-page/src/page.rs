@@ -230,7 +230,7 @@ impl Page {
     /// A record, and what can fly it again. A plant takes only actions of its own space, so others are refused here.
     fn crew_of(&self, trajectory: &[u8]) -> Result<(Trajectory, Crew), PageError> {
         let trajectory = Trajectory::from_bytes(trajectory)?;
-        let crew = Crew::of(&trajectory.setup, &self.plants, &self.models)?;
+        let crew = Crew::again(&trajectory, &self.plants, &self.models)?;
         let space = crew.plant.space();
         let mut actions = trajectory.asked.iter().chain(&trajectory.executed).flatten();
         match actions.find(|action| !space.contains(**action)) {
