@@ -83,8 +83,8 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "finished episodes      {:>8}", self.finished)?;
         writeln!(f, "  identical            {:>8}", self.identical)?;
-        writeln!(f, "  different            {:>8}", self.count(|v| matches!(v, Verdict::Different { .. })))?;
         writeln!(f, "  from recorded states {:>8}", self.as_recorded)?;
+        writeln!(f, "  different            {:>8}", self.count(|v| matches!(v, Verdict::Different { .. })))?;
         writeln!(
             f,
             "  of another version   {:>8}",

@@ -262,6 +262,9 @@ pub fn plants() -> Plants {
         summary: "A plant that is elsewhere: a machine, or another program.",
         make: |_| Err("it is elsewhere and cannot be made here; fly it with `cohelm fly --external`".into()),
         values: None,
+        skill: None,
+        actions: &[],
+        preset: "default",
     });
     plants
 }
