@@ -8,6 +8,7 @@ use crate::limits::{Bucket, Rate};
 use crate::server::Server;
 use crate::store::{EpisodeId, FlightKey, Record, StoreError, Write, now_ms};
 use axum::extract::ws::{Message, WebSocket};
+use cohelm::action::ActionSpace;
 use cohelm::flight::Flight;
 use cohelm::keys::Change;
 use cohelm::plant::Plant;
@@ -238,7 +239,8 @@ async fn ready(server: &Server, plant: &Elsewhere, wish: Wish) -> Result<(Prepar
     let values = setup.values.as_ref().and_then(|hash| models.get(hash));
     let median_range = values.and_then(|model| model.card().median_range);
     let opening = Opening::of(&setup, &external as &dyn Plant, None);
-    let ready = Ready { name: external.name().to_owned(), has_values: values.is_some(), opening };
+    let has_axes = matches!(external.space(), ActionSpace::Axes { .. });
+    let ready = Ready { name: external.name().to_owned(), has_axes, has_values: values.is_some(), opening };
     let flight = Flight::new(setup, Box::new(external), cockpit);
     Ok((Prepared { flight, median_range, turn }, ready))
 }

@@ -59,6 +59,8 @@ pub enum ToPage {
 pub struct Ready {
     /// Its own name.
     pub name: String,
+    /// True if it has axes, for which a stick can be drawn.
+    pub has_axes: bool,
     /// True if values were found that fit it; otherwise the person flies alone, whatever the rule.
     pub has_values: bool,
     /// What to draw and to press.
