@@ -114,7 +114,12 @@ impl Default for Page {
 impl Page {
     /// Shows nothing yet.
     pub fn new() -> Self {
-        Self { plants: plants(), models: Models::new(), showing: Showing::Nothing }
+        Self::with_plants(plants())
+    }
+
+    /// The same for other plants, before they are among the page's own.
+    pub fn with_plants(plants: Plants) -> Self {
+        Self { plants, models: Models::new(), showing: Showing::Nothing }
     }
 
     /// The plants there are.
