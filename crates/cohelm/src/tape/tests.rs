@@ -2,7 +2,7 @@ use super::*;
 use crate::arbitration::HumanAlone;
 use crate::cockpit::{Cockpit, Silence};
 use crate::flight::{Flight, replay};
-use crate::keys::Change;
+use crate::keys;
 use crate::trajectory::{Setup, Trajectory};
 use crate::{arbitration::Rule, intent::Inference, point::Point};
 
@@ -98,7 +98,7 @@ fn flown() -> Trajectory {
     let mut flight = Flight::new(setup, plant, cockpit);
     for tick in 0..40 {
         if tick == 7 {
-            flight.change(Change::Down(3), 140.0);
+            flight.change(keys::Change::Down(3), 140.0);
         }
         flight.tick();
     }
@@ -142,17 +142,19 @@ fn a_lost_plant_stays_where_it_was_seen_last_and_ends_the_episode() {
     assert_eq!([again.step(None).ending, again.step(None).ending], [None, Some(Ending::Abandoned)]);
 }
 
+type Change<'a> = &'a dyn Fn(&mut Described, &mut Seen);
+
 #[test]
 fn what_cannot_be_flown_is_refused_at_the_door() {
     let point = Point::new();
-    let refused = |change: &dyn Fn(&mut Described, &mut Seen)| {
+    let refused = |change: Change<'_>| {
         let (mut about, mut seen) = (about(&point), first(&point));
         change(&mut about, &mut seen);
         Tape::new(about, seen).unwrap_err().to_string()
     };
     let axes =
         |low: f32, high: f32| ActionSpace::Axes { names: vec!["x".into()], low: vec![low], high: vec![high] };
-    let cases: [(&str, &dyn Fn(&mut Described, &mut Seen)); 11] = [
+    let cases: [(&str, Change<'_>); 11] = [
         ("a number of the state must be a finite number of at most 1000", &|_, seen| {
             seen.state[1] = f32::NAN
         }),
