@@ -4,7 +4,7 @@ use crate::action::Action;
 use crate::arbitration::{Arbiter, Likeness, Pick, Stage};
 use crate::intent::{Belief, IntentModel, NearestGoal};
 use crate::pilot::Pilot;
-use crate::plant::{Plant, Step};
+use crate::plant::{Plant, Step, View};
 use crate::value::{ActionValues, NoOpinion, ValueModel};
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,7 @@ pub struct Cockpit {
     values: Box<dyn ValueModel>,
     arbiter: Box<dyn Arbiter>,
     silence: Silence,
+    hides_goals: bool,
     likeness: Vec<Likeness>,
     allowed: Vec<bool>,
 }
@@ -38,6 +39,9 @@ pub struct Tick<'a> {
     pub asked: Option<Action>,
     /// What the co-pilot believed about the pilot's goal.
     pub belief: Belief,
+    /// Whether the goal that was taken for the pilot's was its own, at this tick; of an imagined goal, whether the pilot's
+    /// own is the nearest to it. For judges: no part of the co-pilot learns it.
+    pub right: bool,
     /// What every candidate was worth for the inferred goal.
     pub values: &'a ActionValues,
     /// Which candidates passed the rule's threshold (A_threshold), in their order.
@@ -64,7 +68,8 @@ pub struct Intervention {
 impl Cockpit {
     /// A co-pilot made of its three parts.
     pub fn new(intent: Box<dyn IntentModel>, values: Box<dyn ValueModel>, arbiter: Box<dyn Arbiter>) -> Self {
-        Self { intent, values, arbiter, silence: Silence::Best, likeness: Vec::new(), allowed: Vec::new() }
+        let (silence, hides_goals) = (Silence::Best, false);
+        Self { intent, values, arbiter, silence, hides_goals, likeness: Vec::new(), allowed: Vec::new() }
     }
 
     /// A cockpit in which nobody helps: no inference, no opinion, the given rule.
@@ -78,6 +83,13 @@ impl Cockpit {
         self
     }
 
+    /// The same, but intent and values see no goal of the plant's: intent may imagine one
+    /// ([`Belief::imagined`]), which is then the only goal that the values see.
+    pub fn with_goals_hidden(mut self) -> Self {
+        self.hides_goals = true;
+        self
+    }
+
     /// Begins an episode.
     pub fn begin(&mut self) {
         self.intent.begin();
@@ -86,7 +98,13 @@ impl Cockpit {
     /// Sees a tick that another cockpit flies: it infers the intent from what is asked there, and decides nothing. Who has
     /// looked on from the beginning of an episode knows at any later tick what it would have known.
     pub fn look_on(&mut self, plant: &dyn Plant, asked: Option<Action>) {
-        self.intent.infer(&plant.view(), asked);
+        let view = self.seen(plant.view());
+        self.intent.infer(&view, asked);
+    }
+
+    /// What the co-pilot sees of a view.
+    fn seen<'a>(&self, view: View<'a>) -> View<'a> {
+        if self.hides_goals { View { goals: &[], ..view } } else { view }
     }
 
     /// One tick: the pilot asks; the co-pilot infers the intent and estimates values for it; arbitration decides; the
@@ -94,9 +112,13 @@ impl Cockpit {
     pub fn tick(&mut self, plant: &mut dyn Plant, pilot: &mut dyn Pilot) -> Tick<'_> {
         let view = plant.view();
         let tick = view.tick;
-        let asked = pilot.ask(&view, plant.pilot_goal());
-        let belief = self.intent.infer(&view, asked);
-        let values = self.values.estimate(&view, belief.goal, asked);
+        let wanted = plant.pilot_goal();
+        let asked = pilot.ask(&view, wanted);
+        let seen = self.seen(view);
+        let belief = self.intent.infer(&seen, asked);
+        let right = wanted < view.goals.len() && belief.goal_among(view.goals) == wanted;
+        let seen = View { goals: belief.imagined_goal().map_or(seen.goals, std::slice::from_ref), ..seen };
+        let values = self.values.estimate(&seen, belief.goal, asked);
         let executed = if asked.is_none() && self.silence == Silence::Nothing {
             self.allowed.clear();
             self.allowed.resize(values.candidates().len(), true);
@@ -111,7 +133,7 @@ impl Cockpit {
         };
         let intervention = asked.map(|asked| intervention(plant, executed, asked));
         let step = plant.step(executed);
-        Tick { tick, asked, belief, values, allowed: &self.allowed, executed, intervention, step }
+        Tick { tick, asked, belief, right, values, allowed: &self.allowed, executed, intervention, step }
     }
 }
 
