@@ -37,6 +37,17 @@ pub enum CockpitError {
     /// The rule cannot be built.
     #[error(transparent)]
     Rule(#[from] RuleError),
+    /// The rule looks ahead in a copy of the plant, and there is none.
+    #[error(
+        "the rule {rule} looks ahead in a copy of the plant, and {plant:?} cannot be copied; choose a rule that does not, \
+         such as misc-r"
+    )]
+    NoCopy {
+        /// The rule.
+        rule: &'static str,
+        /// The plant.
+        plant: String,
+    },
     /// A model is not at hand.
     #[error("there is no {} model with the hash {hash}; add the file it was read from", .kind.word())]
     NoModel {
@@ -141,6 +152,10 @@ pub fn cockpit(
         None => (Box::new(NoOpinion::new(plant.space())) as Box<dyn ValueModel>, f64::NAN),
     };
     let arbiter = setup.rule.arbiter(median_range)?;
+    if arbiter.needs().look_ahead && plant.snapshot().is_none() {
+        let plant = setup.task.plant.clone();
+        return Err(CockpitError::NoCopy { rule: setup.rule.word(), plant });
+    }
     let cockpit = Cockpit::new(fitting.intent()?, values, arbiter).with_silence(setup.silence);
     Ok(if setup.inference.hides_goals() { cockpit.with_goals_hidden() } else { cockpit })
 }

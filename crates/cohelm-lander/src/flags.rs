@@ -64,6 +64,8 @@ pub struct FlagLander {
     space: Arc<ActionSpace>,
     layout: Arc<Layout>,
     course: Arc<Course>,
+    /// What the pilot is made to want, whatever it wanted.
+    told: Option<usize>,
     /// The goals of the moment, in the first places.
     goals: [Goal; MOST_PADS],
     goals_now: usize,
@@ -111,6 +113,7 @@ impl FlagLander {
             space,
             layout: Arc::new(layout),
             course: Arc::new(course),
+            told: None,
             goals: [Goal { id: 0, position: [0.0; 2] }; MOST_PADS],
             goals_now: 0,
             scatter: Draws::fork(seed, purpose::SCATTER),
@@ -155,7 +158,7 @@ impl FlagLander {
 
     /// The pad that the pilot wants now.
     fn wanted(&self) -> usize {
-        self.course.wanted(self.tick)
+        self.told.unwrap_or_else(|| self.course.wanted(self.tick))
     }
 
     fn potential(&self, pad: usize) -> f64 {
@@ -247,6 +250,14 @@ impl Plant for FlagLander {
         Some(Box::new(self.clone()))
     }
 
+    fn set_pilot_goal(&mut self, goal: usize) -> bool {
+        let pad = self.course.goals(self.tick).nth(goal);
+        if pad.is_some() {
+            self.told = pad;
+        }
+        pad.is_some()
+    }
+
     fn reset_near_goal(&mut self, seed: u64, difficulty: f64) -> bool {
         if difficulty.is_nan() {
             return false;
@@ -260,8 +271,8 @@ impl Plant for FlagLander {
     }
 
     fn mirror(&self) -> Option<Mirror> {
-        let commands = self.options.actions.mirrored_commands()?;
-        Some(Mirror { state: state::MIRRORED.to_vec(), position: [-1.0, 1.0], commands })
+        let (commands, axes) = self.options.actions.mirrored();
+        Some(Mirror { state: state::MIRRORED.to_vec(), position: [-1.0, 1.0], commands, axes })
     }
 
     fn teacher(&mut self, goal: usize) -> Option<Action> {

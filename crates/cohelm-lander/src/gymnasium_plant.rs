@@ -189,8 +189,8 @@ impl Plant for GymnasiumPlant {
     }
 
     fn mirror(&self) -> Option<Mirror> {
-        let commands = self.task.actions().mirrored_commands()?;
-        Some(Mirror { state: MIRRORED.to_vec(), position: [-1.0, 1.0], commands })
+        let (commands, axes) = self.task.actions().mirrored();
+        Some(Mirror { state: MIRRORED.to_vec(), position: [-1.0, 1.0], commands, axes })
     }
 
     fn teacher(&mut self, goal: usize) -> Option<Action> {

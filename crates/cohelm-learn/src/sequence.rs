@@ -151,7 +151,8 @@ mod tests {
         let mut moment = Moment { goals: 3, truth: 2, ..Moment::default() };
         moment.positions[..3].copy_from_slice(&[[-0.5, 1.0], [0.0, 2.0], [0.7, 3.0]]);
         let sequence = Sequence { width: 11, rows, moments: vec![moment] };
-        let mirror = Mirror { state: vec![(0, -1.0), (1, 1.0)], position: [-1.0, 1.0], commands: vec![1, 0] };
+        let state = vec![(0, -1.0), (1, 1.0)];
+        let mirror = Mirror { state, position: [-1.0, 1.0], commands: vec![1, 0], axes: vec![] };
         let mirrored = MirroredSequence::new(&mirror, 2, 3);
         let twin = mirrored.of(&sequence);
         assert_eq!(twin.rows, [0.25, 0.5, 0.25, -0.1, 0.2, -0.7, 3.0, 0.0, 2.0, 0.5, 1.0]);

@@ -2,7 +2,6 @@
 
 use crate::fleet::{Crew, people, values_of};
 use crate::page::PageError;
-use crate::report::{Opening, TickReport};
 use cohelm::action::ActionSpace;
 use cohelm::arbitration::Rule;
 use cohelm::branch::Branch;
@@ -13,6 +12,7 @@ use cohelm::intent::Inference;
 use cohelm::pilot::{Pilot, Silent};
 use cohelm::plant::Plant;
 use cohelm::registry::Plants;
+use cohelm::report::{Opening, TickReport};
 use cohelm::trajectory::{Setup, Trajectory};
 use cohelm_copilot::Models;
 use serde::{Deserialize, Serialize};

@@ -1,14 +1,15 @@
 //! Everything the page can ask for, as safe Rust.
 
+use crate::answers::{DigestReport, ModelReport, ReplayReport};
 use crate::branching::{Branching, Hands, Means, Wish};
 use crate::fleet::{Crew, plants};
-use crate::report::{DigestReport, ModelReport, Opening, ReplayReport, TickReport};
 use crate::viewing::Viewing;
 use cohelm::action::{Action, ActionSpace};
 use cohelm::branch::BranchError;
 use cohelm::flight::{Flight, replay};
 use cohelm::keys::Change;
 use cohelm::registry::{PlantEntry, Plants, TaskError};
+use cohelm::report::{Opening, TickReport};
 use cohelm::trajectory::{MAX_SEED, Setup, Trajectory, TrajectoryError, put_event};
 use cohelm_copilot::{CockpitError, ModelError, Models};
 use cohelm_lander::pilots::PilotError;

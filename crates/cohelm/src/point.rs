@@ -117,6 +117,14 @@ impl Plant for Point {
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
         Some(Box::new(self.clone()))
     }
+
+    fn set_pilot_goal(&mut self, goal: usize) -> bool {
+        let known = goal < self.goals.len();
+        if known {
+            self.wanted = goal;
+        }
+        known
+    }
 }
 
 /// Hand-made values: how near a push would bring the point to where it should brake, over nine pushes and the asked.
@@ -133,16 +141,37 @@ impl PointValues {
 impl ValueModel for PointValues {
     fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
         self.0.set_candidate(9, asked.unwrap_or(Action::Axes([0.0; 4])));
-        let wanted = view.goals.get(goal).map_or(view.position, |goal| goal.position);
-        let ideal = [0, 1]
-            .map(|i| (10.0 * (wanted[i] - view.position[i]) - 6.0 * view.state[2 + i]).clamp(-1.0, 1.0));
+        let ideal = ideal_push(view, goal);
         let mut values = [0.0; 10];
         for (value, candidate) in values.iter_mut().zip(self.0.candidates()) {
-            *value = -libm::hypotf(candidate.axis(0) - ideal[0], candidate.axis(1) - ideal[1]);
+            *value = nearness(*candidate, ideal);
         }
         self.0.refill(&values).expect("a finite state has finite values");
         &self.0
     }
+
+    fn assess(
+        &mut self,
+        view: &View<'_>,
+        goal: usize,
+        actions: &[Action],
+        _asked: Option<Action>,
+        values: &mut Vec<f32>,
+    ) {
+        let ideal = ideal_push(view, goal);
+        values.clear();
+        values.extend(actions.iter().map(|&action| nearness(action, ideal)));
+    }
+}
+
+/// The push that brings the point to the goal without shooting past it.
+fn ideal_push(view: &View<'_>, goal: usize) -> [f32; 2] {
+    let wanted = view.goals.get(goal).map_or(view.position, |goal| goal.position);
+    [0, 1].map(|i| (10.0 * (wanted[i] - view.position[i]) - 6.0 * view.state[2 + i]).clamp(-1.0, 1.0))
+}
+
+fn nearness(push: Action, ideal: [f32; 2]) -> f32 {
+    -libm::hypotf(push.axis(0) - ideal[0], push.axis(1) - ideal[1])
 }
 
 /// The point's entry in a registry, under the name `point`.

@@ -105,7 +105,7 @@ impl Plant for Line {
 
     fn mirror(&self) -> Option<Mirror> {
         let state = vec![(0, -1.0), (1, 1.0)];
-        Some(Mirror { state, position: [-1.0, 1.0], commands: vec![0, 2, 1] })
+        Some(Mirror { state, position: [-1.0, 1.0], commands: vec![0, 2, 1], axes: vec![] })
     }
 
     fn teacher(&mut self, goal: usize) -> Option<Action> {

@@ -10,9 +10,9 @@
 //! does. A goal that appears gets the share 1/n; one that vanishes leaves its mass to the others.
 
 use super::{Belief, IntentModel, MAX_GOALS};
-use crate::action::{Action, ActionSpace};
+use crate::action::{Action, ActionSpace, Effect};
 use crate::plant::{Goal, View};
-use crate::value::{ActionValues, ValueModel};
+use crate::value::ValueModel;
 
 /// How much what is asked says about the goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +62,8 @@ pub struct ValueIntent {
     per_unit: f64,
     evidence: Evidence,
     posterior: Posterior,
+    candidates: Vec<Action>,
+    of_goal: Vec<f32>,
 }
 
 impl ValueIntent {
@@ -88,16 +90,26 @@ impl ValueIntent {
             return Err(EvidenceError::NoScale(median_range));
         }
         let per_unit = rationality / median_range;
-        Ok(Self { values, space: space.clone(), per_unit, evidence, posterior: Posterior::default() })
+        let (candidates, of_goal) = (Vec::new(), Vec::new());
+        let (space, posterior) = (space.clone(), Posterior::default());
+        Ok(Self { values, space, per_unit, evidence, posterior, candidates, of_goal })
     }
 
-    /// The logarithm of how likely what is asked is for each goal; `None` if it says nothing.
+    /// The logarithm of how likely what is asked is for each goal, over the same candidates; `None` if it says nothing.
     fn likelihoods(&mut self, view: &View<'_>, asked: Action) -> Option<[f64; MAX_GOALS]> {
+        self.candidates.clear();
+        self.candidates.extend_from_slice(self.values.estimate(view, 0, Some(asked)).candidates());
         let mut logs = [0.0; MAX_GOALS];
         for (goal, log) in logs.iter_mut().enumerate().take(view.goals.len()) {
-            let values = self.values.estimate(view, goal, Some(asked));
-            *log =
-                self.evidence.weight * likelihood(values, &self.space, view.switches, asked, self.per_unit)?;
+            self.values.assess(view, goal, &self.candidates, Some(asked), &mut self.of_goal);
+            let choice = Choice {
+                candidates: &self.candidates,
+                values: &self.of_goal,
+                space: &self.space,
+                switches: view.switches,
+                per_unit: self.per_unit,
+            };
+            *log = self.evidence.weight * choice.likelihood(asked)?;
         }
         Some(logs)
     }
@@ -122,33 +134,50 @@ impl IntentModel for ValueIntent {
     }
 }
 
-/// ln p(a | s, g), up to a number that is the same for all goals; `None` if `asked` is not among the candidates.
-fn likelihood(
-    values: &ActionValues,
-    space: &ActionSpace,
+/// What a pilot of one goal can choose from.
+struct Choice<'a> {
+    candidates: &'a [Action],
+    values: &'a [f32],
+    space: &'a ActionSpace,
     switches: u8,
-    asked: Action,
     per_unit: f64,
-) -> Option<f64> {
-    let excess = |index: usize| -per_unit * values.regret(index);
-    let candidates = values.candidates();
-    if space.commands() == 0 {
-        let own = candidates.iter().position(|&candidate| candidate == asked)?;
-        let mean = (0..candidates.len()).map(|i| libm::exp(excess(i))).sum::<f64>() / candidates.len() as f64;
-        return Some(excess(own) - libm::log(mean));
-    }
-    let effect = |index: usize| space.effect(Some(candidates[index]), switches);
-    let wanted = space.effect(Some(asked), switches);
-    let (mut own, mut sum) = (None, 0.0);
-    for first in (0..candidates.len()).filter(|&i| (0..i).all(|before| effect(before) != effect(i))) {
-        let alike = (first..candidates.len()).filter(|&other| effect(other) == effect(first));
-        let best = alike.map(excess).fold(f64::NEG_INFINITY, f64::max);
-        sum += libm::exp(best);
-        if effect(first) == wanted {
-            own = Some(best);
+}
+
+impl Choice<'_> {
+    /// ln p(a | s, g), up to a number that is the same for all goals; `None` if `asked` is not among the candidates or a
+    /// value is not finite.
+    fn likelihood(&self, asked: Action) -> Option<f64> {
+        let best = self.values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let excess = |value: f32| self.per_unit * (f64::from(value) - f64::from(best));
+        if !self.values.iter().all(|value| value.is_finite()) {
+            return None;
         }
+        if self.space.commands() == 0 {
+            let own = self.candidates.iter().position(|&candidate| candidate == asked)?;
+            let sum: f64 = self.values.iter().map(|&value| libm::exp(excess(value))).sum();
+            return Some(excess(self.values[own]) - libm::log(sum));
+        }
+        let (mut own, mut sum) = (None, 0.0);
+        let wanted = self.space.effect(Some(asked), self.switches);
+        for first in (0..self.candidates.len()).filter(|&index| self.is_first_of_its_effect(index)) {
+            let alike =
+                (first..self.candidates.len()).filter(|&other| self.effect(other) == self.effect(first));
+            let value = alike.map(|index| self.values[index]).fold(f32::NEG_INFINITY, f32::max);
+            sum += libm::exp(excess(value));
+            if self.effect(first) == wanted {
+                own = Some(excess(value));
+            }
+        }
+        own.map(|own| own - libm::log(sum))
     }
-    own.map(|own| own - libm::log(sum))
+
+    fn effect(&self, index: usize) -> Effect {
+        self.space.effect(Some(self.candidates[index]), self.switches)
+    }
+
+    fn is_first_of_its_effect(&self, index: usize) -> bool {
+        (0..index).all(|before| self.effect(before) != self.effect(index))
+    }
 }
 
 /// How probable each goal is, by its id.
