@@ -46,7 +46,7 @@ use crate::craft::{Controls, Craft, Dispersion, Engines, Start};
 use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View, Wish};
 use cohelm::random::Draws;
-use cohelm::registry::PlantEntry;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
 use course::Course;
 use judge::Rest;
@@ -226,6 +226,10 @@ impl Plant for FlagLander {
         &self.space
     }
 
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(self.options.limit)
+    }
+
     fn scene(&self) -> Scene {
         let Layout { surface, pads, goals, half_width, .. } = &*self.layout;
         let part = |pad: usize| picture::pad(goals[pad].id, pads[pad], *half_width);
@@ -282,6 +286,14 @@ impl Plant for FlagLander {
     }
 }
 
+/// The action sets to offer where people choose.
+const ACTIONS: &[OfferedActions] = &[
+    OfferedActions::named("switches", "switches (the paper’s)"),
+    OfferedActions::named("main-side", "main × side, held"),
+    OfferedActions::named("gymnasium", "Gymnasium’s four"),
+    OfferedActions::named("continuous", "axes, stick or keys"),
+];
+
 /// The flag task's entry in a registry, under the name `flag-lander`.
 pub fn entry() -> PlantEntry {
     PlantEntry {
@@ -293,5 +305,8 @@ pub fn entry() -> PlantEntry {
             lander.map(|lander| Box::new(lander) as _).map_err(|error| error.to_string())
         },
         values: None,
+        skill: Some(crate::pilots::skill),
+        actions: ACTIONS,
+        preset: "default",
     }
 }
