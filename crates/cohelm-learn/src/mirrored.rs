@@ -56,6 +56,7 @@ mod tests {
             state: vec![(0, -1.0), (1, 1.0), (3, 1.0), (2, 1.0)],
             position: [-1.0, 1.0],
             commands: vec![4, 5, 2, 3, 0, 1],
+            axes: vec![],
         };
         let mirrored = MirroredInput::new(&mirror, outputs, 6);
         let seen = [0.5, 0.25, 1.0, 0.0, 0.1, 0.2, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0];

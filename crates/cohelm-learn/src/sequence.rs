@@ -119,7 +119,8 @@ mod tests {
         // Two commands, silence, two numbers of state, three goals.
         let rows = vec![0.5, 0.25, 0.25, 0.1, 0.2, -0.5, 1.0, 0.0, 2.0, 0.7, 3.0];
         let sequence = Sequence { width: 11, goals: 3, truth: 2, rows };
-        let mirror = Mirror { state: vec![(0, -1.0), (1, 1.0)], position: [-1.0, 1.0], commands: vec![1, 0] };
+        let state = vec![(0, -1.0), (1, 1.0)];
+        let mirror = Mirror { state, position: [-1.0, 1.0], commands: vec![1, 0], axes: vec![] };
         let mirrored = MirroredSequence::new(&mirror, 2, 3);
         let twin = mirrored.of(&sequence);
         assert_eq!(twin.rows, [0.25, 0.5, 0.25, -0.1, 0.2, -0.7, 3.0, 0.0, 2.0, 0.5, 1.0]);

@@ -1,12 +1,13 @@
-//! Two small networks, an [`Mlp`](mlp::Mlp) and an [`Lstm`](lstm::Lstm), trained here and run here.
+//! Three small networks, an [`Mlp`](mlp::Mlp), a [`Critic`](critic::Critic) and an [`Lstm`](lstm::Lstm), trained here and
+//! run here.
 //!
 //! The same weights have two forward passes. Training's ([`mlp::MlpBatch`], [`lstm::LstmBatch`]) works on
 //! whole batches with the widest vectors that the CPU has. The control loop's ([`mlp::Mlp::forward`],
-//! [`lstm::Lstm::step`]) takes one observation, allocates nothing, cannot fail, and gives the same bits on
+//! [`critic::Critic::values`], [`lstm::Lstm::step`]) takes one observation, allocates nothing, cannot fail, and gives the same bits on
 //! every CPU and in WebAssembly ([`fingerprint::control_loop`] is how two builds compare). The two agree to
 //! about 1e-6, not to the bit.
 //!
-//! Gradients are written by hand for exactly these two networks, and held against finite differences and
+//! Gradients are written by hand for exactly these three networks, and held against finite differences and
 //! against numbers recorded from PyTorch. The crate knows no plant, no file, and no clock but in [`mod@bench`]; it
 //! draws no random number (callers hand in a source) and starts no thread. Workspaces belong to one thread
 //! each, and a trainer that gives chunk i of a batch to any thread and adds up the gradients in the order of
@@ -54,6 +55,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod critic;
 mod dense;
 pub mod fingerprint;
 pub mod goal_head;

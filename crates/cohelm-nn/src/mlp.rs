@@ -175,23 +175,34 @@ impl Mlp {
     /// # Panics
     /// If `x` has not [`MlpShape::input`] numbers or `scratch` was made for another shape.
     pub fn forward<'s>(&self, x: &[f32], scratch: &'s mut MlpScratch) -> &'s [f32] {
-        assert_eq!(x.len(), self.shape.input, "an input of {} numbers", self.shape.input);
-        let MlpScratch { from, to, outputs } = scratch;
-        let (head, hidden) = self.layers.split_last().expect("a shape has a head");
-        let mut width = x.len();
-        from[..width].copy_from_slice(x);
-        for layer in hidden {
-            let y = &mut to[..layer.outputs];
-            layer.forward(&self.params, &from[..width], y);
-            relu(y);
-            width = layer.outputs;
-            std::mem::swap(from, to);
-        }
-        let y = &mut to[..head.outputs];
-        head.forward(&self.params, &from[..width], y);
-        combine(self.shape.head, y, outputs);
-        outputs
+        forward_layers(&self.shape, &self.layers, &self.params, x, scratch);
+        &scratch.outputs
     }
+}
+
+/// The control loop's forward pass of the network that lies at the beginning of `params`.
+pub(crate) fn forward_layers(
+    shape: &MlpShape,
+    layers: &[Layer],
+    params: &[f32],
+    x: &[f32],
+    scratch: &mut MlpScratch,
+) {
+    assert_eq!(x.len(), shape.input, "an input of {} numbers", shape.input);
+    let MlpScratch { from, to, outputs } = scratch;
+    let (head, hidden) = layers.split_last().expect("a shape has a head");
+    let mut width = x.len();
+    from[..width].copy_from_slice(x);
+    for layer in hidden {
+        let y = &mut to[..layer.outputs];
+        layer.forward(params, &from[..width], y);
+        relu(y);
+        width = layer.outputs;
+        std::mem::swap(from, to);
+    }
+    let y = &mut to[..head.outputs];
+    head.forward(params, &from[..width], y);
+    combine(shape.head, y, outputs);
 }
 
 /// Buffers of the control loop's forward pass, made once for a shape.
@@ -208,6 +219,11 @@ impl MlpScratch {
     pub fn new(shape: &MlpShape) -> Self {
         let width = shape.widest().max(shape.input);
         Self { from: vec![0.0; width], to: vec![0.0; width], outputs: vec![0.0; shape.outputs()] }
+    }
+
+    /// The outputs of the last forward pass.
+    pub(crate) fn outputs(&self) -> &[f32] {
+        &self.outputs
     }
 }
 

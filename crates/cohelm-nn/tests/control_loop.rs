@@ -11,6 +11,7 @@ fn bits_are_those_of_every_other_target() {
 
 #[cfg(feature = "train")]
 mod beside_training {
+    use cohelm_nn::critic::{Critic, CriticBatch, CriticScratch, CriticShape, Embedded};
     use cohelm_nn::lstm::{Lstm, LstmBatch, LstmShape, LstmState};
     use cohelm_nn::mlp::{Head, Mlp, MlpBatch, MlpScratch, MlpShape};
     use proptest::prelude::*;
@@ -52,6 +53,46 @@ mod beside_training {
                 let alone = net.forward(x, &mut scratch);
                 prop_assert!(close(alone, expected), "{:?} {:?}", alone, expected);
             }
+        }
+
+        #[test]
+        fn critic_passes_agree(
+            seed: u32,
+            input in 1usize..20,
+            hidden in prop::collection::vec(1usize..70, 0..3),
+            action in 1usize..25,
+            width in 1usize..70,
+            rows in 1usize..9,
+            count in 1usize..40,
+        ) {
+            let shape = CriticShape::new(input, &hidden, action, width).unwrap();
+            let critic = Critic::new(&shape, uniform(seed));
+            let mut draw = uniform(!seed);
+            let x: Vec<f32> = (0..rows * input).map(|_| 4.0 * draw() - 2.0).collect();
+            // Half of the numbers are left out, as an encoding leaves out zeros.
+            let mut number = || if draw() < 0.5 { 0.0 } else { 4.0 * draw() - 2.0 };
+            let actions: Vec<f32> = (0..count * action).map(|_| number()).collect();
+            let mut batch = CriticBatch::new(&shape, &actions, rows, count);
+            let mut embedded = Embedded::new(&shape, count);
+            let phis: Vec<Vec<f32>> = actions.chunks_exact(action).map(|a| {
+                let features: Vec<_> = a.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect();
+                let mut phi = vec![0.0; width];
+                critic.embed(&features, &mut phi);
+                phi
+            }).collect();
+            let mean: Vec<f32> = (0..width).map(|k| phis.iter().map(|phi| phi[k]).sum::<f32>() / count as f32).collect();
+            phis.iter().enumerate().for_each(|(i, phi)| embedded.set(i, phi, &mean));
+            let (mut scratch, mut alone) = (CriticScratch::new(&shape), vec![0.0; count]);
+            let together = batch.every(&critic, &x, &actions).to_vec();
+            for (x, expected) in x.chunks_exact(input).zip(together.chunks_exact(count)) {
+                critic.look(x, &mut scratch);
+                critic.values(&scratch, &embedded, &mut alone);
+                prop_assert!(close(&alone, expected), "{:?} {:?}", alone, expected);
+            }
+            let pairs = rows.min(count);
+            let each = batch.each(&critic, &x[..pairs * input], &actions[..pairs * action]);
+            let diagonal: Vec<f32> = (0..pairs).map(|i| together[i * count + i]).collect();
+            prop_assert!(close(each, &diagonal), "{:?} {:?}", each, diagonal);
         }
 
         #[test]

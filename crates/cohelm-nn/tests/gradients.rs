@@ -1,6 +1,7 @@
 //! Every gradient of the crate against central finite differences of its own forward pass.
 #![cfg(feature = "train")]
 
+use cohelm_nn::critic::{Critic, CriticBatch, CriticShape};
 use cohelm_nn::goal_head;
 use cohelm_nn::loss;
 use cohelm_nn::lstm::{Lstm, LstmBatch, LstmShape};
@@ -189,4 +190,31 @@ fn calibrated_head_out_of_range_is_pulled_back_only() {
     // Wrong and too sharp: the gradient must still lead back.
     goal_head::cross_entropy(&[0.501, 0.0, -6.5], &goals, 0, 1.0, &mut gradient);
     assert!(gradient[2] < 0.0, "{gradient:?}");
+}
+
+fn check_critic(hidden: &[usize]) {
+    let shape = CriticShape::new(5, hidden, 3, 6).unwrap();
+    let mut critic = Critic::new(&shape, uniform(3));
+    let rows = 7;
+    let (x, actions, reference) = (numbers(4, rows * 5), numbers(6, rows * 3), numbers(7, 4 * 3));
+    let w = numbers(5, rows);
+    let mut batch = CriticBatch::new(&shape, &reference, rows, rows);
+    let mut gradient = vec![f32::NAN; shape.parameters()];
+    batch.each(&critic, &x, &actions);
+    batch.backward(&critic, &x, &w, &mut gradient);
+    let mut params = critic.params().to_vec();
+    assert_gradient(&mut params, &gradient, |p| {
+        critic.params_mut().copy_from_slice(p);
+        weighted(batch.each(&critic, &x, &actions), &w)
+    });
+}
+
+#[test]
+fn critic_without_hidden_layers() {
+    check_critic(&[]);
+}
+
+#[test]
+fn critic_with_two_hidden_layers() {
+    check_critic(&[8, 6]);
 }

@@ -9,18 +9,18 @@
 //! | function | bytes in | bytes out |
 //! |---|---|---|
 //! | [`cohelm_about`] | | JSON: hash of the sources, plants with their versions |
-//! | [`cohelm_model`] | a model's file | JSON: [`ModelReport`](crate::report::ModelReport) |
-//! | [`cohelm_begin`] | JSON: a setup | JSON: [`Opening`](crate::report::Opening) |
+//! | [`cohelm_model`] | a model's file | JSON: [`ModelReport`](crate::answers::ModelReport) |
+//! | [`cohelm_begin`] | JSON: a setup | JSON: [`Opening`](cohelm::report::Opening) |
 //! | [`cohelm_key`], [`cohelm_stick`] | | |
-//! | [`cohelm_tick`] | | JSON: [`TickReport`](crate::report::TickReport); none once the episode has ended |
+//! | [`cohelm_tick`] | | JSON: [`TickReport`](cohelm::report::TickReport); none once the episode has ended |
 //! | [`cohelm_events`] | | key events, as [`put_event`](cohelm::trajectory::put_event) writes them |
-//! | [`cohelm_digests`] | | JSON: [`DigestReport`](crate::report::DigestReport) |
+//! | [`cohelm_digests`] | | JSON: [`DigestReport`](crate::answers::DigestReport) |
 //! | [`cohelm_finish`] | | the trajectory |
-//! | [`cohelm_watch`] | a trajectory | JSON: [`Opening`](crate::report::Opening) |
-//! | [`cohelm_seek`] | | JSON: [`TickReport`](crate::report::TickReport); none at the beginning |
-//! | [`cohelm_branch`] | JSON: a [`Wish`](crate::branching::Wish) | JSON: [`Opening`](crate::report::Opening) at the branching tick |
+//! | [`cohelm_watch`] | a trajectory | JSON: [`Opening`](cohelm::report::Opening) |
+//! | [`cohelm_seek`] | | JSON: [`TickReport`](cohelm::report::TickReport); none at the beginning |
+//! | [`cohelm_branch`] | JSON: a [`Wish`](crate::branching::Wish) | JSON: [`Opening`](cohelm::report::Opening) at the branching tick |
 //! | [`cohelm_pilots`] | | JSON: a list of [`Hands`](crate::branching::Hands) |
-//! | [`cohelm_replay`] | a trajectory | JSON: [`ReplayReport`](crate::report::ReplayReport) |
+//! | [`cohelm_replay`] | a trajectory | JSON: [`ReplayReport`](crate::answers::ReplayReport) |
 //! | [`cohelm_panic`] | | the message of the panic that stopped this instance, if one did |
 //!
 //! No pointer from outside is ever followed: lengths are checked against the buffer that is this module's own. The
@@ -31,6 +31,7 @@
 use crate::SOURCE_HASH;
 use crate::page::{Page, PageError};
 use cohelm::keys::Change;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use serde::Serialize;
 use std::cell::RefCell;
 
@@ -179,13 +180,25 @@ struct AboutPlant {
     name: &'static str,
     version: u32,
     summary: &'static str,
+    /// The sets of actions to choose from, the usual one first.
+    actions: Vec<AboutActions>,
+}
+
+#[derive(Serialize)]
+struct AboutActions {
+    name: &'static str,
+    label: &'static str,
+    options: serde_json::Value,
 }
 
 fn about(page: &Page) -> About {
-    let plant = |entry: &cohelm::registry::PlantEntry| AboutPlant {
+    let actions =
+        |set: &OfferedActions| AboutActions { name: set.name, label: set.label, options: set.options() };
+    let plant = |entry: &PlantEntry| AboutPlant {
         name: entry.name,
         version: entry.version,
         summary: entry.summary,
+        actions: entry.actions.iter().map(actions).collect(),
     };
     About {
         source_hash: SOURCE_HASH,

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`page`] | everything the page can ask for, as safe Rust that is tested natively |
 //! | [`fleet`] | which plants there are, and what flies an episode |
-//! | [`report`] | what the page is told: the opening of an episode, and one report a tick |
+//! | [`answers`] | what else the page is told, as JSON |
 //! | [`viewing`] | a record that is watched |
 //! | [`branching`] | a record that is flown on from one of its ticks, under another rule or by another pilot |
 //! | [`abi`] | the same as C functions: numbers in and out, bytes through two buffers |
@@ -19,10 +19,10 @@
 //! file and demands that.
 
 pub mod abi;
+pub mod answers;
 pub mod branching;
 pub mod fleet;
 pub mod page;
-pub mod report;
 pub mod viewing;
 
 /// SHA-256 of the sources that this was built from, as `tools/source-hash` prints it; empty in builds that nobody

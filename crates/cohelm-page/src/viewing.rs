@@ -1,10 +1,10 @@
 //! A record that is watched: any moment of it, forwards and backwards.
 
 use crate::fleet::Crew;
-use crate::report::{Opening, TickReport};
 use cohelm::action::Action;
 use cohelm::pilot::Pilot;
 use cohelm::plant::View;
+use cohelm::report::{Opening, TickReport};
 use cohelm::trajectory::Trajectory;
 
 /// A record and how far it was flown again. Going backwards flies it again from the beginning, which takes

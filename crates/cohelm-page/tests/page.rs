@@ -6,12 +6,12 @@ use cohelm::flight::Flight;
 use cohelm::intent::Inference;
 use cohelm::keys::Change;
 use cohelm::registry::Task;
+use cohelm::report::TickReport;
 use cohelm::trajectory::{Setup, Trajectory, read_events};
 use cohelm_copilot::Models;
 use cohelm_page::branching::Hands;
 use cohelm_page::fleet::{Crew, plants};
 use cohelm_page::page::{Page, PageError};
-use cohelm_page::report::TickReport;
 use proptest::prelude::*;
 
 fn setup(rule: Rule) -> Setup {

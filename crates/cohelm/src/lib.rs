@@ -20,6 +20,7 @@
 //! | [`branch`] | what if: a recorded episode, flown on under another cockpit |
 //! | [`scene`] | what a plant looks like, for whoever draws it |
 //! | [`registry`] | plants by name |
+//! | [`report`] | an opening and one report a tick, for whoever shows a flight |
 //! | [`random`] | draws from a seed |
 //! | [`point`] | the smallest plant: a point and two goals |
 //!
@@ -28,6 +29,7 @@
 #![forbid(unsafe_code)]
 
 pub mod action;
+mod ahead;
 pub mod arbitration;
 pub mod branch;
 pub mod cockpit;
@@ -41,6 +43,7 @@ pub mod plant;
 pub mod point;
 pub mod random;
 pub mod registry;
+pub mod report;
 pub mod scene;
 pub mod trajectory;
 pub mod value;

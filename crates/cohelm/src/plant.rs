@@ -126,6 +126,11 @@ pub trait Plant: Send {
         50.0
     }
 
+    /// After how many ticks an episode is over in any case; `None` if it may last for ever.
+    fn limit_ticks(&self) -> Option<u32> {
+        None
+    }
+
     /// How much `action` is like what was `asked`: f of Eq. 4.
     fn similarity(&self, action: Action, asked: Action) -> f32 {
         self.space().similarity(action, asked)
@@ -147,6 +152,13 @@ pub trait Plant: Send {
         None
     }
 
+    /// Optional: from now on the goal of that index among those of the moment is the pilot's own. Returns false, having
+    /// done nothing, if the plant cannot or has no such goal. Who looks ahead in a copy makes the inferred goal the
+    /// pilot's there, so that how the copy fares cannot tell which is the pilot's in truth.
+    fn set_pilot_goal(&mut self, _goal: usize) -> bool {
+        false
+    }
+
     /// Optional: begins the episode of a seed from a start of the given difficulty, from 0 (at the goal already) to 1
     /// (wide). Returns false, having done nothing, if the plant cannot.
     fn reset_near_goal(&mut self, _seed: u64, _difficulty: f64) -> bool {
@@ -165,13 +177,16 @@ pub trait Plant: Send {
 }
 
 /// A symmetry of a plant: the mirrored state has component `state[i].0` of the original at place i, times
-/// `state[i].1`; positions are multiplied by `position`; command c becomes `commands[c]`.
+/// `state[i].1`; positions are multiplied by `position`; command c becomes `commands[c]`; the mirrored action has axis
+/// `axes[i].0` of the original at place i, times `axes[i].1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {
     /// For each component of the mirrored state: where it comes from, and its sign.
     pub state: Vec<(usize, f32)>,
     /// Signs of the two position coordinates.
     pub position: [f32; 2],
-    /// The mirrored command of each command.
+    /// The mirrored command of each command; empty for a space of axes.
     pub commands: Vec<u8>,
+    /// For each axis of the mirrored action: where it comes from, and its sign; empty for a space of commands.
+    pub axes: Vec<(usize, f32)>,
 }

@@ -131,13 +131,13 @@ impl ActionSet {
         }
     }
 
-    /// For each command the one that does the same seen in a mirror; `None` for axes.
-    pub fn mirrored_commands(self) -> Option<Vec<u8>> {
+    /// For each command the one that does the same seen in a mirror, and for each axis its place and sign there.
+    pub fn mirrored(self) -> (Vec<u8>, Vec<(usize, f32)>) {
         match self {
-            Self::Switches => Some(vec![4, 5, 2, 3, 0, 1]),
-            Self::MainSide => Some(vec![2, 1, 0, 5, 4, 3]),
-            Self::Gymnasium => Some(vec![0, 3, 2, 1]),
-            Self::Continuous => None,
+            Self::Switches => (vec![4, 5, 2, 3, 0, 1], Vec::new()),
+            Self::MainSide => (vec![2, 1, 0, 5, 4, 3], Vec::new()),
+            Self::Gymnasium => (vec![0, 3, 2, 1], Vec::new()),
+            Self::Continuous => (Vec::new(), vec![(0, 1.0), (1, -1.0)]),
         }
     }
 }
@@ -236,7 +236,7 @@ mod tests {
     #[test]
     fn mirrored_commands_burn_the_mirrored_engines() {
         for set in &SETS[..3] {
-            let commands = set.mirrored_commands().expect("a set with commands has a mirror");
+            let (commands, _) = set.mirrored();
             assert_eq!(commands.len(), set.space().commands());
             for (command, &other) in commands.iter().enumerate() {
                 for before in (0..8).map(Burning) {
@@ -245,7 +245,14 @@ mod tests {
                 }
             }
         }
-        assert_eq!(ActionSet::Continuous.mirrored_commands(), None);
+        let at = |axes: [f32; 2]| {
+            Burning::of(&ActionSet::Continuous.engines(Some(Action::axes(&axes)), &Engines::OFF))
+        };
+        let (_, axes) = ActionSet::Continuous.mirrored();
+        for asked in [[1.0, 0.75], [0.0, -1.0], [-1.0, 0.25]] {
+            let twin = [0, 1].map(|i| axes[i].1 * asked[axes[i].0]);
+            assert_eq!(at(twin), mirrored(at(asked)), "{asked:?}");
+        }
     }
 
     #[test]

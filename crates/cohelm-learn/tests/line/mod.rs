@@ -105,7 +105,7 @@ impl Plant for Line {
 
     fn mirror(&self) -> Option<Mirror> {
         let state = vec![(0, -1.0), (1, 1.0)];
-        Some(Mirror { state, position: [-1.0, 1.0], commands: vec![0, 2, 1] })
+        Some(Mirror { state, position: [-1.0, 1.0], commands: vec![0, 2, 1], axes: vec![] })
     }
 
     fn teacher(&mut self, goal: usize) -> Option<Action> {
@@ -120,6 +120,9 @@ pub fn entry() -> PlantEntry {
         summary: "a line with a goal at each end",
         make: |_| Ok(Box::new(Line::new())),
         values: None,
+        skill: None,
+        actions: &[],
+        preset: "default",
     }
 }
 

@@ -52,6 +52,12 @@ impl MlpBatch {
     /// If the network has another shape, `x` is not a whole number of rows, or there are too many.
     pub fn forward(&mut self, net: &Mlp, x: &[f32]) -> &[f32] {
         self.check(net, x);
+        self.forward_params(net.params(), x)
+    }
+
+    /// The same of the network that lies at the beginning of `params`.
+    pub(crate) fn forward_params(&mut self, params: &[f32], x: &[f32]) -> &[f32] {
+        self.check_rows(x);
         self.rows = x.len() / self.shape.input;
         let rows = self.rows;
         let hidden = self.layers.len() - 1;
@@ -59,7 +65,7 @@ impl MlpBatch {
             let (before, from_here) = self.activations.split_at_mut(i);
             let input = before.last().map_or(x, Vec::as_slice);
             let y = &mut from_here[0][..rows * layer.outputs];
-            dense_batch::forward(layer, net.params(), i < hidden, &input[..rows * layer.inputs], y);
+            dense_batch::forward(layer, params, i < hidden, &input[..rows * layer.inputs], y);
         }
         self.combine_rows();
         self.outputs()
@@ -80,10 +86,22 @@ impl MlpBatch {
     /// If lengths do not fit, or there are more rows than the forward pass had.
     pub fn backward(&mut self, net: &Mlp, x: &[f32], d_outputs: &[f32], gradient: &mut [f32]) {
         self.check(net, x);
+        assert_eq!(gradient.len(), net.params().len(), "one number for each parameter");
+        self.backward_params(net.params(), x, d_outputs, gradient);
+    }
+
+    /// The same of the network that lies at the beginning of `params`, into the beginning of `gradient`.
+    pub(crate) fn backward_params(
+        &mut self,
+        params: &[f32],
+        x: &[f32],
+        d_outputs: &[f32],
+        gradient: &mut [f32],
+    ) {
+        self.check_rows(x);
         let rows = x.len() / self.shape.input;
         assert!(rows <= self.rows, "{rows} rows of gradient after a forward pass of {}", self.rows);
         assert_eq!(d_outputs.len(), rows * self.shape.outputs(), "one gradient for each output");
-        assert_eq!(gradient.len(), net.params().len(), "one number for each parameter");
         uncombine(self.shape.head, d_outputs, &mut self.delta);
         for (i, layer) in self.layers.iter().enumerate().rev() {
             let input = if i == 0 { x } else { &self.activations[i - 1] };
@@ -92,7 +110,7 @@ impl MlpBatch {
             if i > 0 {
                 let next = &mut self.next_delta[..rows * layer.inputs];
                 let transposed = &mut self.transposed[..layer.inputs * layer.outputs];
-                transpose(layer.weights(net.params()), layer.inputs, layer.outputs, transposed);
+                transpose(layer.weights(params), layer.inputs, layer.outputs, transposed);
                 dense_batch::backward(layer, transposed, delta, next);
                 vectorised(|| mask(&self.activations[i - 1], next));
                 std::mem::swap(&mut self.delta, &mut self.next_delta);
@@ -102,6 +120,10 @@ impl MlpBatch {
 
     fn check(&self, net: &Mlp, x: &[f32]) {
         assert_eq!(net.shape(), &self.shape, "a workspace serves one shape");
+        self.check_rows(x);
+    }
+
+    fn check_rows(&self, x: &[f32]) {
         assert_eq!(x.len() % self.shape.input, 0, "rows of {} numbers", self.shape.input);
         assert!(x.len() <= self.shape.input * self.most_rows, "at most {} rows", self.most_rows);
     }

@@ -1,6 +1,7 @@
 //! How networks and the optimiser put themselves into a [`TensorFile`] and take themselves out.
 
 use super::{TensorFile, WeightsError};
+use crate::critic::{Critic, CriticShape};
 use crate::dense::Layer;
 use crate::lstm::{Lstm, LstmShape};
 use crate::mlp::{Head, MAX_HIDDEN_LAYERS, Mlp, MlpShape};
@@ -49,6 +50,33 @@ fn mlp_shape(file: &TensorFile, prefix: &str) -> Result<MlpShape, WeightsError> 
     let (outputs, inputs) = matrix_shape(file, if is_plain { &plain } else { &dueling })?;
     let head = if is_plain { Head::Plain(outputs) } else { Head::Dueling(outputs) };
     Ok(MlpShape::new(input.unwrap_or(inputs), &hidden, head)?)
+}
+
+impl Critic {
+    /// Puts the parameters into `file` as `{prefix}state.hidden.0.weight`, …, `{prefix}action.weight` (names in
+    /// `docs/networks.md`).
+    pub fn save(&self, file: &mut TensorFile, prefix: &str) {
+        for (slot, name) in critic_slots(self.shape(), prefix) {
+            slot.save(self.params(), &name, file);
+        }
+    }
+
+    /// Takes a critic out of `file`; its shape is what the tensors say.
+    ///
+    /// # Errors
+    /// A tensor that is missing, has a wrong shape, or lies under the prefix without belonging to the critic.
+    pub fn load(file: &TensorFile, prefix: &str) -> Result<Self, WeightsError> {
+        let state = mlp_shape(file, &format!("{prefix}state."))?;
+        let (width, action) = matrix_shape(file, &format!("{prefix}action.weight"))?;
+        let shape = CriticShape::new(state.input(), state.hidden(), action, width)?;
+        let slots = critic_slots(&shape, prefix);
+        check_tensors(file, prefix, &slots)?;
+        let mut critic = Self::zeros(&shape);
+        for (slot, name) in &slots {
+            slot.load(critic.params_mut(), name, file)?;
+        }
+        Ok(critic)
+    }
 }
 
 impl Lstm {
@@ -138,6 +166,12 @@ fn slots(shape: &MlpShape, prefix: &str) -> Vec<(Slot, String)> {
             slots.extend(pair(head, (n, 1), &format!("{prefix}value")));
         }
     }
+    slots
+}
+
+fn critic_slots(shape: &CriticShape, prefix: &str) -> Vec<(Slot, String)> {
+    let mut slots = slots(shape.state_tower(), &format!("{prefix}state."));
+    slots.extend(pair(shape.action_layer(), (0, shape.width()), &format!("{prefix}action")));
     slots
 }
 

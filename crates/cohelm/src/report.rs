@@ -1,15 +1,13 @@
-//! What the page is told: the opening of an episode, and one report a tick. All of it goes over as JSON.
+//! What whoever shows a flight is told: the opening of an episode, and one report a tick. All of it goes over as JSON.
 
-use cohelm::action::{Action, ActionSpace};
-use cohelm::arbitration::Rule;
-use cohelm::cockpit::Tick;
-use cohelm::flight::Replay;
-use cohelm::keys::{Control, controls};
-use cohelm::plant::{Ending, Goal, Plant};
-use cohelm::scene::{Pose, Scene};
-use cohelm::trajectory::{Digests, Setup};
-use cohelm::value::ActionValues;
-use cohelm_copilot::{Kind, Model};
+use crate::action::{Action, ActionSpace};
+use crate::arbitration::Rule;
+use crate::cockpit::Tick;
+use crate::keys::{Control, controls};
+use crate::plant::{Ending, Goal, Plant};
+use crate::scene::{Pose, Scene};
+use crate::trajectory::Setup;
+use crate::value::ActionValues;
 use serde::Serialize;
 
 /// Everything to know before the first tick.
@@ -178,7 +176,7 @@ impl Named {
 }
 
 /// The smallest Q′ that a rule allows, for the overlay to draw; the rule itself decides by
-/// [`cohelm::arbitration::Arbiter`], and a test holds the two together.
+/// [`Arbiter`](crate::arbitration::Arbiter), and a test holds the two together.
 fn threshold(rule: &Rule, confidence: f32, values: &ActionValues, median_range: Option<f64>) -> Option<f64> {
     match *rule {
         Rule::Misc => Some(f64::from(confidence) * values.range()),
@@ -192,66 +190,4 @@ fn poses(plant: &dyn Plant) -> Vec<Pose> {
     let mut poses = Vec::new();
     plant.poses(&mut poses);
     poses
-}
-
-/// A model that the page has.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct ModelReport {
-    /// SHA-256 of its bytes, in hexadecimal: what setups name it by.
-    pub hash: String,
-    /// What its card calls it.
-    pub name: String,
-    /// What it is for.
-    pub kind: Kind,
-}
-
-impl ModelReport {
-    /// Of a model.
-    pub fn of(model: &Model) -> Self {
-        let card = model.card();
-        Self { hash: model.hash().into(), name: card.name.clone(), kind: card.kind }
-    }
-}
-
-/// The digests of a flight so far, in hexadecimal: what the server must find when it follows.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct DigestReport {
-    /// Ticks they cover.
-    pub ticks: u32,
-    /// Of states, rewards and ending.
-    pub plant: String,
-    /// Of beliefs, values and executed actions.
-    pub decisions: String,
-}
-
-impl DigestReport {
-    /// Of a flight so far.
-    pub fn of(ticks: u32, digests: Digests) -> Self {
-        let hex = |digest: u64| format!("{digest:016x}");
-        Self { ticks, plant: hex(digests.plant), decisions: hex(digests.decisions) }
-    }
-}
-
-/// What flying a record again showed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct ReplayReport {
-    /// True if nothing that was checked differed.
-    pub identical: bool,
-    /// What was carried out leads through the same states to the same ending.
-    pub plant_identical: bool,
-    /// What was asked leads to the same decisions; `None` if that could not be checked.
-    pub decisions_identical: Option<bool>,
-    /// The key log gives the same requests; `None` without a person's keys.
-    pub requests_identical: Option<bool>,
-}
-
-impl From<Replay> for ReplayReport {
-    fn from(replay: Replay) -> Self {
-        Self {
-            identical: replay.identical(),
-            plant_identical: replay.plant_identical,
-            decisions_identical: replay.decisions_identical,
-            requests_identical: replay.requests_identical,
-        }
-    }
 }
