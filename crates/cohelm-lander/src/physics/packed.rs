@@ -79,8 +79,10 @@ impl<S: Simd, const V: usize> Packed<S, V> {
     #[inline(always)]
     fn compare(self, other: Self, op: impl Fn(S::f32s, S::f32s) -> S::m32s) -> PackedMask<S, V> {
         let mut registers = [op(self.registers[0], other.registers[0]); V];
-        for i in 1..V {
-            registers[i] = op(self.registers[i], other.registers[i]);
+        for (register, (a, b)) in
+            registers.iter_mut().zip(self.registers.into_iter().zip(other.registers)).skip(1)
+        {
+            *register = op(a, b);
         }
         PackedMask { simd: self.simd, registers }
     }
