@@ -44,6 +44,10 @@ impl Velocity {
         Twist { x: self.linear.x, y: self.linear.y, omega: self.omega }
     }
 
+    pub fn bits(self) -> [u32; 3] {
+        [self.linear.x, self.linear.y, self.omega].map(f32::to_bits)
+    }
+
     fn at(self, arm: Vec2) -> Vec2 {
         self.linear + arm.swung(self.omega)
     }
@@ -235,6 +239,13 @@ impl ContactRow {
     fn apply(&self, velocity: &mut Velocity, impulse: Vec2, arm: Vec2) {
         velocity.linear += self.inverse_mass * impulse;
         velocity.omega += self.inverse_inertia * arm.cross(impulse);
+    }
+
+    /// The bits of all impulses: what an iteration leaves to the next one beside the velocity.
+    pub fn impulse_bits(&self) -> [u32; 4] {
+        let [first, second] = &self.points;
+        [first.normal_impulse, first.tangent_impulse, second.normal_impulse, second.tangent_impulse]
+            .map(f32::to_bits)
     }
 
     /// Writes the impulses where the next step looks for them.
