@@ -4,7 +4,7 @@
 use crate::action::Actions;
 use crate::errors::Kind;
 use crate::vector::{Autoreset, autoreset_of, expect_length};
-use crate::world::{Help, Told, plants};
+use crate::world::{Help, Relay, plants};
 use cohelm::action::{Action, ActionSpace};
 use cohelm::cockpit::{Cockpit, Intervention};
 use cohelm::plant::{Ending, Plant};
@@ -87,7 +87,7 @@ impl Seat {
                 self.plant.step(asked)
             }
             Some(cockpit) => {
-                let tick = cockpit.tick(self.plant.as_mut(), &mut Told(asked));
+                let tick = cockpit.tick(self.plant.as_mut(), &mut Relay(asked));
                 self.told = Record {
                     asked,
                     executed: tick.executed,
@@ -307,6 +307,10 @@ impl PlantVector {
 
 impl PlantVector {
     fn write(&mut self, py: Python<'_>) -> PyResult<()> {
+        if self.seats.get_mut().iter().any(|seat| seat.observation.len() != self.width) {
+            let why = "the number of goals changed in mid-episode, and with it the size of an observation";
+            return Err(Kind::Array.error(format!("{why}: fly such a task with cohelm.World")));
+        }
         let busy = |error: numpy::BorrowError| Kind::Array.error(format!("the arrays are in use: {error}"));
         let odd = |error: numpy::AsSliceError| Kind::Array.error(error);
         let arrays = &self.arrays;

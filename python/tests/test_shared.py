@@ -94,6 +94,11 @@ def test_values_from_elsewhere_steer():
     "make, error, words",
     [
         (lambda: gymnasium.make("cohelm/FlagLander-v1", gravty=1), cohelm.OptionError, "gravty"),
+        (
+            lambda: gymnasium.make("cohelm/FlagLander-v1", vanishes_at=50),
+            cohelm.OptionError,
+            "vanishes_at.*cohelm.World",
+        ),
         (lambda: gymnasium.make("cohelm/FlagLander-v1", actions="keys"), cohelm.OptionError, "actions"),
         (lambda: gymnasium.make("cohelm/SharedControl-v1", inference="guess"), cohelm.OptionError, "guess"),
         (lambda: cohelm.World("rowing-boat"), cohelm.OptionError, "no plant is called"),

@@ -245,7 +245,9 @@ class IntentModel:
 def shipped() -> dict[str, ValueModel | IntentModel]:
     """The models that come with the package, by name."""
 
-def shipped_for(plant: str, options_json: str) -> tuple[ValueModel | None, IntentModel | None]:
+def shipped_for(
+    plant: str, options_json: str, *, imagined: bool = False
+) -> tuple[ValueModel | None, IntentModel | None]:
     """The models among them that are meant for a plant with these options, unless others are named."""
 
 def plants() -> dict[str, str]:

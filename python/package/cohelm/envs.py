@@ -127,6 +127,11 @@ class PlantTask(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
         self, render_mode: str | None = None, goal_visible: bool = True, plant: str = "flag-lander", **options: Any
     ) -> None:
         EzPickle.__init__(self, render_mode, goal_visible, plant, **options)
+        if moving := {"appears_at", "vanishes_at"} & options.keys():
+            raise OptionError(
+                f"with {' and '.join(sorted(moving))} the goals and so the size of an observation would change in mid-episode, "
+                "which Gymnasium's spaces do not allow; fly such a task with cohelm.World"
+            )
         self.plant = plant
         self.goal_visible = goal_visible
         self.render_mode = render_mode
@@ -243,9 +248,10 @@ class SharedControl(PlantTask):
     """A task with a co-pilot in it: the agent is the pilot, and what it asks for is arbitrated. See :class:`PlantTask`.
 
     ``rule`` is a :class:`cohelm.Rule` or its name; ``inference`` is ``"inverse-distance"`` (the paper's), ``"softmax"``,
-    ``"calibrated"``, ``"nearest"`` or ``"known"``; ``values`` and ``intent`` are models, the shipped ones for the plant and its
-    actions unless given. ``info`` holds every stage of the tick: ``asked``, ``goal``, ``confidence``, ``probabilities``,
-    ``values``, ``allowed``, ``executed``, ``intervened``, ``opposed``.
+    ``"calibrated"``, ``"bayesian"`` (by the values), ``"calibrated-bayesian"``, ``"imagined"`` (the co-pilot knows no goals),
+    ``"nearest"`` or ``"known"``; ``values`` and ``intent`` are models, the shipped ones for the plant and its actions unless
+    given. ``info`` holds every stage of the tick: ``asked``, ``goal``, ``confidence``, ``probabilities``, ``values``,
+    ``allowed``, ``executed``, ``intervened``, ``opposed``.
     """
 
     def __init__(
@@ -269,7 +275,9 @@ class SharedControl(PlantTask):
     def _make(self, options: str) -> World:
         values, intent = self._models
         if values is None or intent is None:
-            usual_values, usual_intent = shipped_for(self.plant, options)
+            usual_values, usual_intent = shipped_for(
+                self.plant, options, imagined=self._help["inference"] == "imagined"
+            )
             values, intent = values or usual_values, intent or usual_intent
         return World(self.plant, options, rule=self.rule.native, values=values, intent=intent, **self._help)
 
