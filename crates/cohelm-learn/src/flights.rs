@@ -63,7 +63,7 @@ fn fly(job: &Job<'_>, help: &Help<'_>, plan: &Plan) -> Result<Flight, LearnError
         Guide::Truth => Box::new(KnownGoal(plant.pilot_goal())),
         Guide::Network(card, networks, head) => {
             let intent = NetworkIntent::new(card, networks.clone(), *head);
-            Box::new(intent.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))?)
+            Box::new(intent.ok_or_else(|| LearnError::NoActions(job.task.plant.clone()))?)
         }
     };
     let arbiter = plan.rule.arbiter(help.median_range);
@@ -76,7 +76,8 @@ fn fly(job: &Job<'_>, help: &Help<'_>, plan: &Plan) -> Result<Flight, LearnError
     };
     pilot.begin(mix_seed(seed, PILOT));
     cockpit.begin();
-    let mut scribe = Scribe::new(plant.as_ref());
+    let scribe = Scribe::new(plant.as_ref());
+    let mut scribe = scribe.ok_or_else(|| LearnError::NoActions(job.task.plant.clone()))?;
     let mut right = Vec::new();
     loop {
         scribe.look(plant.as_ref());

@@ -59,7 +59,7 @@ pub fn values(seed: u64) -> Model {
 }
 
 pub fn intent_networks(card: &Card, seed: u64) -> IntentNetworks {
-    let encoder = IntentEncoder::new(card.space.commands(), card.state, card.goals);
+    let encoder = IntentEncoder::new(&card.space, card.state, card.goals).unwrap();
     let mut draws = Draws::new(seed);
     let mut lstm =
         |input, output| Lstm::new(LstmShape::new(input, 64, output).unwrap(), || draws.unit() as f32);
