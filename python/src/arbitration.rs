@@ -4,6 +4,7 @@
 use crate::errors::Kind;
 use cohelm::action::Action;
 use cohelm::arbitration::{Arbiter, Likeness, Pick, Rule as CoreRule, Stage};
+use cohelm::intent::Belief;
 use cohelm::value::ActionValues;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -168,7 +169,9 @@ impl Desk {
         }
         self.allowed.fill(false);
         let likeness = likeness.is_some().then_some(self.likeness.as_slice());
-        Ok(arbiter.decide(&Stage { values: &self.values, likeness, confidence }, &mut self.allowed))
+        let mut belief = Belief::unknown(1, 0);
+        belief.confidence = confidence;
+        Ok(arbiter.decide(&Stage::new(&self.values, likeness, &belief), &mut self.allowed))
     }
 }
 

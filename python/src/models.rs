@@ -324,15 +324,38 @@ struct LayeredValues {
     values: ActionValues,
 }
 
+impl LayeredValues {
+    /// Q of every command. Values that overflowed are no opinion, as with our own networks: the person passes through.
+    fn of_commands(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> Vec<f32> {
+        self.encoder.encode(view, goal, asked, &mut self.input);
+        let mut values = self.layers.forward(&self.input);
+        if !values.iter().all(|value| value.is_finite()) {
+            values.fill(0.0);
+        }
+        values
+    }
+}
+
 impl CoreValues for LayeredValues {
     fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
-        self.encoder.encode(view, goal, asked, &mut self.input);
-        // Values that overflowed are no opinion, as with our own networks: the person passes through.
-        if self.values.refill(&self.layers.forward(&self.input)).is_err() {
-            let zeros = vec![0.0; self.values.candidates().len()];
-            let _ = self.values.refill(&zeros);
-        }
+        let values = self.of_commands(view, goal, asked);
+        let filled = self.values.refill(&values);
+        debug_assert!(filled.is_ok(), "one finite value for each command");
         &self.values
+    }
+
+    fn assess(
+        &mut self,
+        view: &View<'_>,
+        goal: usize,
+        actions: &[Action],
+        asked: Option<Action>,
+        values: &mut Vec<f32>,
+    ) {
+        let of_commands = self.of_commands(view, goal, asked);
+        let value = |action: &Action| action.command().and_then(|command| of_commands.get(command).copied());
+        values.clear();
+        values.extend(actions.iter().map(|action| value(action).unwrap_or(0.0)));
     }
 }
 

@@ -34,6 +34,17 @@ pub enum CockpitError {
     /// The rule cannot be built.
     #[error(transparent)]
     Rule(#[from] RuleError),
+    /// The rule looks ahead in a copy of the plant, and there is none.
+    #[error(
+        "the rule {rule} looks ahead in a copy of the plant, and {plant:?} cannot be copied; choose a rule that does not, \
+         such as misc-r"
+    )]
+    NoCopy {
+        /// The rule.
+        rule: &'static str,
+        /// The plant.
+        plant: String,
+    },
     /// A model is not at hand.
     #[error("there is no {} model with the hash {hash}; add the file it was read from", .kind.word())]
     NoModel {
@@ -121,7 +132,12 @@ pub fn cockpit(
         None if setup.inference == Inference::Known => Box::new(KnownGoal(pilot_goal(setup, plants)?)),
         None => Box::new(NearestGoal),
     };
-    Ok(Cockpit::new(intent, values, setup.rule.arbiter(median_range)?).with_silence(setup.silence))
+    let arbiter = setup.rule.arbiter(median_range)?;
+    if arbiter.needs().look_ahead && plant.snapshot().is_none() {
+        let plant = setup.task.plant.clone();
+        return Err(CockpitError::NoCopy { rule: setup.rule.word(), plant });
+    }
+    Ok(Cockpit::new(intent, values, arbiter).with_silence(setup.silence))
 }
 
 fn pilot_goal(setup: &Setup, plants: &Plants) -> Result<usize, CockpitError> {

@@ -43,6 +43,25 @@ impl ValueModel for NetworkValues {
             Estimator::Axes(values) => values.estimate(view, goal, asked),
         }
     }
+
+    fn assess(
+        &mut self,
+        view: &View<'_>,
+        goal: usize,
+        actions: &[Action],
+        asked: Option<Action>,
+        values: &mut Vec<f32>,
+    ) {
+        match &mut self.0 {
+            Estimator::Commands(model) => {
+                model.value_commands(view, goal, asked);
+                values.clear();
+                let value = |command: usize| model.of_commands.get(command).copied();
+                values.extend(actions.iter().map(|action| action.command().and_then(value).unwrap_or(0.0)));
+            }
+            Estimator::Axes(model) => model.assess(view, goal, actions, values),
+        }
+    }
 }
 
 /// Of every command, from one forward pass.
@@ -74,17 +93,22 @@ impl OfCommands {
         })
     }
 
-    fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
+    /// Q of every command; zeros if one of them is not finite.
+    fn value_commands(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) {
         self.encoder.encode(view, goal, asked, &mut self.input);
         let outputs = self.network.forward(&self.input, &mut self.scratch);
         for (command, value) in self.of_commands.iter_mut().enumerate() {
             *value = outputs[self.outputs.output(command, view.switches)];
         }
-        if self.values.refill(&self.of_commands).is_err() {
+        if !self.of_commands.iter().all(|value| value.is_finite()) {
             self.of_commands.fill(0.0);
-            let equal = self.values.refill(&self.of_commands);
-            debug_assert!(equal.is_ok(), "zeros are finite");
         }
+    }
+
+    fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
+        self.value_commands(view, goal, asked);
+        let filled = self.values.refill(&self.of_commands);
+        debug_assert!(filled.is_ok(), "what is not finite was made zero");
         &self.values
     }
 }
@@ -108,5 +132,10 @@ impl OfAxes {
     fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
         self.encoder.encode(view, goal, None, &mut self.input);
         self.search.estimate(&self.critic, &self.input, asked)
+    }
+
+    fn assess(&mut self, view: &View<'_>, goal: usize, actions: &[Action], values: &mut Vec<f32>) {
+        self.encoder.encode(view, goal, None, &mut self.input);
+        self.search.assess(&self.critic, &self.input, actions, values);
     }
 }

@@ -44,7 +44,7 @@ use crate::craft::{Controls, Craft, Dispersion, Engines, Start};
 use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Mirror, Plant, Step, View};
 use cohelm::random::Draws;
-use cohelm::registry::PlantEntry;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
 use judge::Rest;
 use layout::{Layout, purpose};
@@ -60,6 +60,7 @@ pub struct FlagLander {
     options: FlagOptions,
     space: Arc<ActionSpace>,
     layout: Arc<Layout>,
+    wanted: usize,
     scatter: Draws,
     craft: Craft,
     engines: Engines,
@@ -101,6 +102,7 @@ impl FlagLander {
         let mut lander = Self {
             options,
             space,
+            wanted: layout.pilot_goal,
             layout: Arc::new(layout),
             scatter: Draws::fork(seed, purpose::SCATTER),
             craft,
@@ -136,7 +138,7 @@ impl FlagLander {
     }
 
     fn potential(&self) -> f64 {
-        judge::potential(&self.state, self.goal_position(self.layout.pilot_goal))
+        judge::potential(&self.state, self.goal_position(self.wanted))
     }
 
     fn goal_position(&self, goal: usize) -> [f64; 2] {
@@ -157,7 +159,7 @@ impl FlagLander {
     }
 
     fn landing(&self) -> Option<Ending> {
-        let at_the_goal = self.layout.is_at(self.layout.pilot_goal, self.craft.hull().x.into());
+        let at_the_goal = self.layout.is_at(self.wanted, self.craft.hull().x.into());
         match self.options.elsewhere {
             _ if at_the_goal => Some(Ending::Goal),
             Elsewhere::End => Some(Ending::Elsewhere),
@@ -191,11 +193,15 @@ impl Plant for FlagLander {
     }
 
     fn pilot_goal(&self) -> usize {
-        self.layout.pilot_goal
+        self.wanted
     }
 
     fn space(&self) -> &ActionSpace {
         &self.space
+    }
+
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(self.options.limit)
     }
 
     fn scene(&self) -> Scene {
@@ -210,6 +216,14 @@ impl Plant for FlagLander {
 
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn set_pilot_goal(&mut self, goal: usize) -> bool {
+        let known = goal < PADS;
+        if known {
+            self.wanted = goal;
+        }
+        known
     }
 
     fn reset_near_goal(&mut self, seed: u64, difficulty: f64) -> bool {
@@ -236,6 +250,14 @@ impl Plant for FlagLander {
     }
 }
 
+/// The action sets to offer where people choose.
+const ACTIONS: &[OfferedActions] = &[
+    OfferedActions::named("switches", "switches (the paper’s)"),
+    OfferedActions::named("main-side", "main × side, held"),
+    OfferedActions::named("gymnasium", "Gymnasium’s four"),
+    OfferedActions::named("continuous", "axes, stick or keys"),
+];
+
 /// The flag task's entry in a registry, under the name `flag-lander`.
 pub fn entry() -> PlantEntry {
     PlantEntry {
@@ -247,5 +269,8 @@ pub fn entry() -> PlantEntry {
             lander.map(|lander| Box::new(lander) as _).map_err(|error| error.to_string())
         },
         values: None,
+        skill: Some(crate::pilots::skill),
+        actions: ACTIONS,
+        preset: "default",
     }
 }

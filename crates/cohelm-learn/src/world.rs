@@ -11,6 +11,7 @@ use crate::options::ValueOptions;
 use crate::window::Window;
 use cohelm::action::{Action, ActionSpace};
 use cohelm::arbitration::{Arbiter, Likeness, MinimalIntervention, Pick, Stage};
+use cohelm::intent::Belief;
 use cohelm::pilot::Pilot;
 use cohelm::plant::{Ending, Plant};
 use cohelm::random::{Draws, mix_seed};
@@ -371,7 +372,9 @@ fn by_equation_4(plant: &dyn Plant, values: &ActionValues, asked: Option<Action>
         };
         values.candidates().iter().map(like).collect()
     });
-    let stage = Stage { values, likeness: likeness.as_deref(), confidence: CONFIDENCE_IN_TRAINING };
+    let mut belief = Belief::certain(1, 0);
+    belief.confidence = CONFIDENCE_IN_TRAINING;
+    let stage = Stage::new(values, likeness.as_deref(), &belief);
     let mut allowed = vec![false; values.candidates().len()];
     match MinimalIntervention.decide(&stage, &mut allowed) {
         Pick::Candidate(index) => values.candidates()[index],

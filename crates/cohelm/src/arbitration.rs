@@ -1,37 +1,13 @@
 //! Which action reaches the plant (Section III-C): candidates, values and similarities go in, a choice comes out.
 
+mod choose;
+mod rule;
 mod rules;
+mod stage;
 
-pub use rules::{
-    ConstantTolerance, DEFAULT_KAPPA, HumanAlone, Linear, MinimalIntervention, RegretThreshold, RobotAlone,
-    Rule, RuleError,
-};
-
-use crate::value::ActionValues;
-
-/// How a candidate compares with what was asked; greater is more alike.
-///
-/// Similarity decides (Eq. 4). The paper leaves ties open: ours go to the same label, then to the same effect.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub struct Likeness {
-    /// f(a, a_h) of Eq. 4.
-    pub similarity: f32,
-    /// True if it is the very action that was asked.
-    pub same_label: bool,
-    /// True if the plant could not tell it from what was asked.
-    pub same_effect: bool,
-}
-
-/// What a rule may know of one tick.
-#[derive(Clone, Copy, Debug)]
-pub struct Stage<'a> {
-    /// The candidates and their values for the inferred goal.
-    pub values: &'a ActionValues,
-    /// For each candidate its likeness to what was asked; `None` if nothing is asked.
-    pub likeness: Option<&'a [Likeness]>,
-    /// c of Eq. 1.
-    pub confidence: f32,
-}
+pub use rule::{DEFAULT_KAPPA, Rule, RuleError};
+pub use rules::{ConstantTolerance, HumanAlone, Linear, MinimalIntervention, RegretThreshold, RobotAlone};
+pub use stage::{GoalValues, Last, Likeness, LookAhead, Stage};
 
 /// What a rule chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,23 +28,24 @@ pub enum Pick {
     },
 }
 
+/// What a rule has to be told beyond the values for the inferred goal. It costs time, so that only who says so gets it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// The values of the candidates for every goal: [`Stage::of_goals`].
+    pub every_goal: bool,
+    /// Flights ahead in a copy of the plant: [`Stage::ahead`]. A plant that cannot be copied is refused such a rule
+    /// where the cockpit is made.
+    pub look_ahead: bool,
+}
+
 /// A rule of arbitration. A pure function of its stage; it fills `allowed` with one entry a candidate (A_threshold of
 /// Eq. 3), which comes in all false.
 pub trait Arbiter: Send + Sync {
     /// Chooses.
     fn decide(&self, stage: &Stage<'_>, allowed: &mut [bool]) -> Pick;
-}
 
-impl Stage<'_> {
-    /// Eq. 4 over the whole allowed set: the most alike, then the higher value, then the lower index. With nothing
-    /// asked, or nothing allowed, the best candidate.
-    pub fn most_alike(&self, allowed: &[bool]) -> usize {
-        let Some(likeness) = self.likeness else { return self.values.best() };
-        let better = |a: usize, b: usize| {
-            let by_value = || self.values.values()[a] > self.values.values()[b];
-            likeness[a] > likeness[b] || (likeness[a] == likeness[b] && by_value())
-        };
-        let candidates = (0..allowed.len()).filter(|&i| allowed[i]);
-        candidates.reduce(|best, i| if better(i, best) { i } else { best }).unwrap_or(self.values.best())
+    /// What it has to be told; nothing more than everybody is, unless it says so.
+    fn needs(&self) -> Needs {
+        Needs::default()
     }
 }

@@ -104,7 +104,7 @@ impl Branch {
         let mut recorder = Recorder::new(plant.as_ref());
         let mut pilot = Recorded::new(before);
         for (&asked, &executed) in before.iter().zip(&record.executed) {
-            other.look_on(plant.as_ref(), asked);
+            other.look_on(plant.as_ref(), asked, executed);
             let tick = own.tick(plant.as_mut(), &mut pilot);
             if tick.executed != executed {
                 return Err(BranchError::Strayed { tick: tick.tick });

@@ -1,10 +1,11 @@
 //! The five together: one tick of shared control.
 
 use crate::action::Action;
-use crate::arbitration::{Arbiter, Likeness, Pick, Stage};
+use crate::ahead::Ahead;
+use crate::arbitration::{Arbiter, GoalValues, Last, Likeness, LookAhead, Pick, Stage};
 use crate::intent::{Belief, IntentModel, NearestGoal};
 use crate::pilot::Pilot;
-use crate::plant::{Plant, Step};
+use crate::plant::{Plant, Step, View};
 use crate::value::{ActionValues, NoOpinion, ValueModel};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,9 @@ pub struct Cockpit {
     silence: Silence,
     likeness: Vec<Likeness>,
     allowed: Vec<bool>,
+    now: ActionValues,
+    of_goals: GoalSheet,
+    last: Option<Last>,
 }
 
 /// What the shared modes carry out when the pilot asks for nothing.
@@ -64,7 +68,17 @@ pub struct Intervention {
 impl Cockpit {
     /// A co-pilot made of its three parts.
     pub fn new(intent: Box<dyn IntentModel>, values: Box<dyn ValueModel>, arbiter: Box<dyn Arbiter>) -> Self {
-        Self { intent, values, arbiter, silence: Silence::Best, likeness: Vec::new(), allowed: Vec::new() }
+        Self {
+            intent,
+            values,
+            arbiter,
+            silence: Silence::Best,
+            likeness: Vec::new(),
+            allowed: Vec::new(),
+            now: ActionValues::none_yet(),
+            of_goals: GoalSheet::default(),
+            last: None,
+        }
     }
 
     /// A cockpit in which nobody helps: no inference, no opinion, the given rule.
@@ -81,12 +95,14 @@ impl Cockpit {
     /// Begins an episode.
     pub fn begin(&mut self) {
         self.intent.begin();
+        self.last = None;
     }
 
     /// Sees a tick that another cockpit flies: it infers the intent from what is asked there, and decides nothing. Who has
     /// looked on from the beginning of an episode knows at any later tick what it would have known.
-    pub fn look_on(&mut self, plant: &dyn Plant, asked: Option<Action>) {
+    pub fn look_on(&mut self, plant: &dyn Plant, asked: Option<Action>, executed: Option<Action>) {
         self.intent.infer(&plant.view(), asked);
+        self.last = Some(last(plant, asked, executed));
     }
 
     /// One tick: the pilot asks; the co-pilot infers the intent and estimates values for it; arbitration decides; the
@@ -96,23 +112,71 @@ impl Cockpit {
         let tick = view.tick;
         let asked = pilot.ask(&view, plant.pilot_goal());
         let belief = self.intent.infer(&view, asked);
-        let values = self.values.estimate(&view, belief.goal, asked);
+        self.now.copy_from(self.values.estimate(&view, belief.goal, asked));
+        self.allowed.clear();
+        self.allowed.resize(self.now.candidates().len(), false);
         let executed = if asked.is_none() && self.silence == Silence::Nothing {
-            self.allowed.clear();
-            self.allowed.resize(values.candidates().len(), true);
+            self.allowed.fill(true);
             None
         } else {
-            compare(plant, values, asked, &mut self.likeness);
-            self.allowed.clear();
-            self.allowed.resize(values.candidates().len(), false);
-            let likeness = asked.map(|_| self.likeness.as_slice());
-            let stage = Stage { values, likeness, confidence: belief.confidence };
-            carry_out(self.arbiter.decide(&stage, &mut self.allowed), plant, values, asked)
+            self.arbitrate(plant, asked, &belief)
         };
         let intervention = asked.map(|asked| intervention(plant, executed, asked));
+        self.last = Some(last(plant, asked, executed));
         let step = plant.step(executed);
-        Tick { tick, asked, belief, values, allowed: &self.allowed, executed, intervention, step }
+        let (values, allowed) = (&self.now, &self.allowed);
+        Tick { tick, asked, belief, values, allowed, executed, intervention, step }
     }
+
+    /// Sets the stage for the rule, with what it needs, and carries out what it picks.
+    fn arbitrate(&mut self, plant: &dyn Plant, asked: Option<Action>, belief: &Belief) -> Option<Action> {
+        let needs = self.arbiter.needs();
+        compare(plant, &self.now, asked, &mut self.likeness);
+        let of_goals = if needs.every_goal {
+            self.of_goals.fill(self.values.as_mut(), &plant.view(), self.now.candidates(), asked)
+        } else {
+            None
+        };
+        let ahead = Ahead::new(plant, self.values.as_mut(), belief.goal, self.now.candidates());
+        let stage = Stage {
+            values: &self.now,
+            likeness: asked.map(|_| self.likeness.as_slice()),
+            belief,
+            of_goals,
+            ahead: needs.look_ahead.then_some(&ahead as &dyn LookAhead),
+            last: self.last,
+        };
+        carry_out(self.arbiter.decide(&stage, &mut self.allowed), plant, &self.now, asked)
+    }
+}
+
+/// The candidates' values for every goal, goal by goal; kept so that a tick allocates nothing.
+#[derive(Default)]
+struct GoalSheet {
+    all: Vec<f32>,
+    of_one: Vec<f32>,
+}
+
+impl GoalSheet {
+    fn fill(
+        &mut self,
+        model: &mut dyn ValueModel,
+        view: &View<'_>,
+        candidates: &[Action],
+        asked: Option<Action>,
+    ) -> Option<GoalValues<'_>> {
+        self.all.clear();
+        for goal in 0..view.goals.len() {
+            model.assess(view, goal, candidates, asked, &mut self.of_one);
+            self.all.extend_from_slice(&self.of_one);
+        }
+        GoalValues::new(&self.all, candidates.len())
+    }
+}
+
+fn last(plant: &dyn Plant, asked: Option<Action>, executed: Option<Action>) -> Last {
+    let intervened = asked.is_some_and(|asked| intervention(plant, executed, asked).effective);
+    Last { asked, executed, intervened }
 }
 
 fn compare(plant: &dyn Plant, values: &ActionValues, asked: Option<Action>, likeness: &mut Vec<Likeness>) {

@@ -29,6 +29,7 @@
 #![forbid(unsafe_code)]
 
 pub mod action;
+mod ahead;
 pub mod arbitration;
 pub mod branch;
 pub mod cockpit;

@@ -126,6 +126,11 @@ pub trait Plant: Send {
         50.0
     }
 
+    /// After how many ticks an episode is over in any case; `None` if it may last for ever.
+    fn limit_ticks(&self) -> Option<u32> {
+        None
+    }
+
     /// How much `action` is like what was `asked`: f of Eq. 4.
     fn similarity(&self, action: Action, asked: Action) -> f32 {
         self.space().similarity(action, asked)
@@ -145,6 +150,13 @@ pub trait Plant: Send {
     /// Optional: an independent copy that goes on with the same bits.
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
         None
+    }
+
+    /// Optional: from now on the goal of that index among those of the moment is the pilot's own. Returns false, having
+    /// done nothing, if the plant cannot or has no such goal. Who looks ahead in a copy makes the inferred goal the
+    /// pilot's there, so that how the copy fares cannot tell which is the pilot's in truth.
+    fn set_pilot_goal(&mut self, _goal: usize) -> bool {
+        false
     }
 
     /// Optional: begins the episode of a seed from a start of the given difficulty, from 0 (at the goal already) to 1

@@ -3,6 +3,8 @@
 //! It is here to show, in one screen, all that a plant needs; tests carry it through tick, store, replay and page.
 
 use crate::action::{Action, ActionSpace};
+use crate::human::{Axis, Plan, Seen, Skill};
+use crate::keys::{NoControl, control_named};
 use crate::plant::{Ending, Goal, Plant, Step, View};
 use crate::random::Draws;
 use crate::registry::PlantEntry;
@@ -94,6 +96,10 @@ impl Plant for Point {
         &self.space
     }
 
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(LIMIT)
+    }
+
     fn scene(&self) -> Scene {
         let disc = |center, radius| vec![Shape::Disc { center, radius }];
         let goal =
@@ -117,6 +123,14 @@ impl Plant for Point {
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
         Some(Box::new(self.clone()))
     }
+
+    fn set_pilot_goal(&mut self, goal: usize) -> bool {
+        let known = goal < self.goals.len();
+        if known {
+            self.wanted = goal;
+        }
+        known
+    }
 }
 
 /// Hand-made values: how near a push would bring the point to where it should brake, over nine pushes and the asked.
@@ -133,15 +147,63 @@ impl PointValues {
 impl ValueModel for PointValues {
     fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
         self.0.set_candidate(9, asked.unwrap_or(Action::Axes([0.0; 4])));
-        let wanted = view.goals.get(goal).map_or(view.position, |goal| goal.position);
-        let ideal = [0, 1]
-            .map(|i| (10.0 * (wanted[i] - view.position[i]) - 6.0 * view.state[2 + i]).clamp(-1.0, 1.0));
+        let ideal = ideal_push(view, goal);
         let mut values = [0.0; 10];
         for (value, candidate) in values.iter_mut().zip(self.0.candidates()) {
-            *value = -libm::hypotf(candidate.axis(0) - ideal[0], candidate.axis(1) - ideal[1]);
+            *value = nearness(*candidate, ideal);
         }
         self.0.refill(&values).expect("a finite state has finite values");
         &self.0
+    }
+
+    fn assess(
+        &mut self,
+        view: &View<'_>,
+        goal: usize,
+        actions: &[Action],
+        _asked: Option<Action>,
+        values: &mut Vec<f32>,
+    ) {
+        let ideal = ideal_push(view, goal);
+        values.clear();
+        values.extend(actions.iter().map(|&action| nearness(action, ideal)));
+    }
+}
+
+/// The push that brings the point to the goal without shooting past it.
+fn ideal_push(view: &View<'_>, goal: usize) -> [f32; 2] {
+    let wanted = view.goals.get(goal).map_or(view.position, |goal| goal.position);
+    [0, 1].map(|i| (10.0 * (wanted[i] - view.position[i]) - 6.0 * view.state[2 + i]).clamp(-1.0, 1.0))
+}
+
+fn nearness(push: Action, ideal: [f32; 2]) -> f32 {
+    -libm::hypotf(push.axis(0) - ideal[0], push.axis(1) - ideal[1])
+}
+
+/// What a person tries to do: go towards the goal, slower the nearer.
+struct Pushing(Plan);
+
+impl Pushing {
+    fn new(space: &ActionSpace) -> Result<Self, NoControl> {
+        let axis = |name, minus, plus| -> Result<Axis, NoControl> {
+            let (minus, plus) = (control_named(space, minus, minus)?, control_named(space, plus, plus)?);
+            Ok(Axis { name, plus: Some(plus), minus: Some(minus), release: 0.3, droppable: true })
+        };
+        let axes = vec![axis("x", "x −", "x +")?, axis("y", "y −", "y +")?];
+        Ok(Self(Plan { axes, moving: vec![0, 1, 2, 3], judged: vec![2, 3], shown: vec![] }))
+    }
+}
+
+impl Skill for Pushing {
+    fn plan(&self) -> &Plan {
+        &self.0
+    }
+
+    fn errors(&self, seen: &Seen<'_>, errors: &mut [f64]) {
+        for (i, error) in errors.iter_mut().enumerate() {
+            let wanted_speed = (seen.goal[i] - seen.state[i]).clamp(-0.6, 0.6);
+            *error = (wanted_speed - seen.state[2 + i]) / 0.05;
+        }
     }
 }
 
@@ -156,5 +218,8 @@ pub fn entry() -> PlantEntry {
             _ => Err(format!("the point has no options, got {options}")),
         },
         values: Some(|| Box::new(PointValues::new())),
+        skill: Some(|space, _| Ok(Box::new(Pushing::new(space).map_err(|error| error.to_string())?))),
+        actions: &[],
+        preset: "default",
     }
 }

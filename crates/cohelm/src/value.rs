@@ -60,6 +60,11 @@ impl ActionValues {
         Self::new(candidates, values)
     }
 
+    /// A place to [copy](Self::copy_from) values to: no candidates yet, which no value model ever gives.
+    pub(crate) fn none_yet() -> Self {
+        Self { candidates: Vec::new(), values: Vec::new(), worst: 0.0, best: 0 }
+    }
+
     /// New values for the same candidates, without allocating. On an error nothing has changed.
     pub fn refill(&mut self, values: &[f32]) -> Result<(), ValueError> {
         if self.candidates.is_empty() {
@@ -76,6 +81,15 @@ impl ActionValues {
         self.worst = values.iter().copied().fold(f32::INFINITY, f32::min);
         self.best = (1..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best });
         Ok(())
+    }
+
+    /// Becomes equal to `other`, without allocating once there is room.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.candidates.clear();
+        self.candidates.extend_from_slice(&other.candidates);
+        self.values.clear();
+        self.values.extend_from_slice(&other.values);
+        (self.worst, self.best) = (other.worst, other.best);
     }
 
     /// Replaces the candidate at `index`, whose value the next [`refill`](Self::refill) will give: how a person's own
@@ -118,9 +132,23 @@ impl ActionValues {
 }
 
 /// Estimates what actions are worth.
+///
+/// What it says depends on the arguments alone, so that whoever looks ahead may ask about situations that never come.
 pub trait ValueModel: Send {
     /// Values of candidate actions in the situation seen, for the goal of that index, knowing what was asked.
     fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues;
+
+    /// Values of given actions there: clears `values` and fills it with a finite number for each of `actions`, which
+    /// are of the plant's space. For the candidates of [`estimate`](Self::estimate), with the same goal and request, they
+    /// are the same bits. An action that the model knows nothing of is worth 0.
+    fn assess(
+        &mut self,
+        view: &View<'_>,
+        goal: usize,
+        actions: &[Action],
+        asked: Option<Action>,
+        values: &mut Vec<f32>,
+    );
 }
 
 /// No co-pilot's values: all commands are worth the same. For axes, the only candidate is what was asked.
@@ -148,6 +176,18 @@ impl ValueModel for NoOpinion {
             self.values.set_candidate(0, action);
         }
         &self.values
+    }
+
+    fn assess(
+        &mut self,
+        _view: &View<'_>,
+        _goal: usize,
+        actions: &[Action],
+        _asked: Option<Action>,
+        values: &mut Vec<f32>,
+    ) {
+        values.clear();
+        values.resize(actions.len(), 0.0);
     }
 }
 

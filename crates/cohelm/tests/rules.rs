@@ -2,6 +2,7 @@
 
 use cohelm::action::Action;
 use cohelm::arbitration::{Arbiter, Likeness, Pick, Rule, RuleError, Stage};
+use cohelm::intent::Belief;
 use cohelm::value::ActionValues;
 use proptest::prelude::*;
 
@@ -35,10 +36,17 @@ fn cases() -> impl Strategy<Value = Case> {
     })
 }
 
+fn believed(confidence: f32) -> Belief {
+    let mut belief = Belief::unknown(3, 0);
+    belief.confidence = confidence;
+    belief
+}
+
 fn decide(rule: Rule, case: &Case) -> (Pick, Vec<bool>) {
     let candidates = (0..case.values.len()).map(|i| Action::Command(i as u8)).collect();
     let values = ActionValues::new(candidates, case.values.clone()).unwrap();
-    let stage = Stage { values: &values, likeness: Some(&case.likeness), confidence: case.confidence };
+    let belief = believed(case.confidence);
+    let stage = Stage::new(&values, Some(&case.likeness), &belief);
     let mut allowed = vec![false; case.values.len()];
     (rule.arbiter(1.0).unwrap().decide(&stage, &mut allowed), allowed)
 }
@@ -182,7 +190,8 @@ fn linear_arbitration_weighs_the_robot_by_the_confidence() {
 fn with_nothing_asked_only_the_person_alone_does_nothing() {
     let candidates = (0..3).map(Action::Command).collect();
     let values = ActionValues::new(candidates, vec![0.0, 5.0, 10.0]).unwrap();
-    let stage = Stage { values: &values, likeness: None, confidence: 0.2 };
+    let belief = believed(0.2);
+    let stage = Stage::new(&values, None, &belief);
     let pick = |rule: Rule| rule.arbiter(1.0).unwrap().decide(&stage, &mut [false; 3]);
     assert_eq!(pick(Rule::Hic), Pick::Nothing);
     for rule in THRESHOLD_RULES.into_iter().chain([Rule::Lasc, Rule::Robot]) {

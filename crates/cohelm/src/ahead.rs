@@ -1,0 +1,55 @@
+//! Looking ahead: a copy of the plant is flown on, to see whether it stays whole.
+//!
+//! The copy has the plant's own draws to come (the lander's scattering thrust), so that it foresees them too. It wants
+//! what the co-pilot infers, not what the pilot wants, so that nothing about the pilot's goal comes out of it.
+
+use crate::action::Action;
+use crate::arbitration::LookAhead;
+use crate::plant::{Ending, Plant};
+use crate::value::ValueModel;
+use std::cell::RefCell;
+
+/// Flights ahead from where a plant is now, flown by the robot towards one goal.
+pub struct Ahead<'a> {
+    plant: &'a dyn Plant,
+    // A rule gets nothing that it could change, but a value model works in memory of its own.
+    robot: RefCell<&'a mut dyn ValueModel>,
+    goal: usize,
+    candidates: &'a [Action],
+}
+
+impl<'a> Ahead<'a> {
+    /// From where `plant` is now; `robot` flies to the goal of that index after one of the candidates.
+    pub fn new(
+        plant: &'a dyn Plant,
+        robot: &'a mut dyn ValueModel,
+        goal: usize,
+        candidates: &'a [Action],
+    ) -> Self {
+        Self { plant, robot: RefCell::new(robot), goal, candidates }
+    }
+}
+
+impl LookAhead for Ahead<'_> {
+    fn is_safe(&self, candidate: usize, hold: u32, horizon: u32) -> bool {
+        let (Some(mut copy), Some(&held)) = (self.plant.snapshot(), self.candidates.get(candidate)) else {
+            return false;
+        };
+        copy.set_pilot_goal(self.goal);
+        for tick in 0..horizon {
+            let action = if tick < hold {
+                held
+            } else {
+                let mut robot = self.robot.borrow_mut();
+                let values = robot.estimate(&copy.view(), self.goal, None);
+                values.candidates()[values.best()]
+            };
+            match copy.step(Some(action)).ending {
+                Some(Ending::Crash | Ending::OutOfBounds) => return false,
+                Some(_) => return true,
+                None => {}
+            }
+        }
+        true
+    }
+}
