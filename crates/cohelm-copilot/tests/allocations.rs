@@ -3,6 +3,7 @@
 
 mod made;
 
+use cohelm::action::Action;
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
 use cohelm::intent::Inference;
@@ -35,13 +36,16 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations in a hundred ticks after the first ten, with or without a co-pilot.
+/// Allocations in forty ticks after the first ten, with or without a co-pilot.
 fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
+    let task = models.iter().next().expect("models").card().task.clone();
+    let plant = made::plants().make(&task).unwrap();
+    let push = if plant.space().commands() > 0 { Action::Command(2) } else { Action::axes(&[1.0, 0.25]) };
     let assisted = rule != Rule::Hic;
     let hash = |i| models.iter().nth(i).filter(|_| assisted).map(|model| model.hash().to_owned());
     let setup = Setup {
-        task: made::task(),
-        plant_version: made::plants().entry(&made::task()).unwrap().version,
+        plant_version: made::plants().entry(&task).unwrap().version,
+        task,
         seed: 2,
         rule,
         inference,
@@ -55,7 +59,7 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
     plant.reset(2);
     let mut cockpit = cockpit(&setup, plant.as_ref(), &made::plants(), models).unwrap();
     cockpit.begin();
-    let asked = [Some(cohelm::action::Action::Command(2)); 110];
+    let asked = [Some(push); 110];
     let mut pilot = Recorded::new(&asked);
     let mut counted = 0;
     for tick in 0..50 {
@@ -68,13 +72,17 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
 
 #[test]
 fn a_tick_with_both_networks_allocates_no_more_than_the_plant_does() {
-    let mut models = Models::new();
-    models.add_model(made::values(3));
-    models.add_model(made::intent(4));
-    let of_plant = allocations(Rule::Hic, Inference::Nearest, &models);
-    for inference in [Inference::InverseDistance, Inference::Softmax, Inference::Calibrated] {
-        for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }] {
-            assert_eq!(allocations(rule, inference, &models), of_plant, "{rule:?} {inference:?}");
+    for [values, intent] in
+        [[made::values(3), made::intent(4)], [made::values_on_axes(3), made::intent_on_axes(4)]]
+    {
+        let mut models = Models::new();
+        models.add_model(values);
+        models.add_model(intent);
+        let of_plant = allocations(Rule::Hic, Inference::Nearest, &models);
+        for inference in [Inference::InverseDistance, Inference::Softmax, Inference::Calibrated] {
+            for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }] {
+                assert_eq!(allocations(rule, inference, &models), of_plant, "{rule:?} {inference:?}");
+            }
         }
     }
 }
