@@ -254,7 +254,8 @@ export class FlightRun {
     if (tick.intervention?.effective === true) this.counts.corrected += 1;
     this.older = this.newer;
     this.newer = tick.poses;
-    this.stage.note(this.options.plain === true ? { poses: tick.poses, intervention: null } : tick);
+    const { poses, pilot_goal } = tick;
+    this.stage.note(this.options.plain === true ? { poses, pilot_goal, intervention: null } : tick);
     return tick;
   }
 

@@ -3,7 +3,7 @@
 import { Card, type CardAction } from './card';
 import type { Context, View } from './context';
 import { Controls } from './controls';
-import { CoreStopped, type Inference, type Setup } from './core';
+import { CoreStopped, type Inference, needsNetwork, type Setup } from './core';
 import { element, isTheirs, wantsCalm } from './dom';
 import { FlightRun, type FlightSummary } from './flight';
 import { History } from './history';
@@ -159,9 +159,10 @@ export class FlyView implements View {
       context: { core, hangar },
       controls: { task, mode },
     } = this;
-    const { values, intent: model } = hangar.crew(task, settings.values);
-    const inference: Inference = mode.mode === 'demo' ? 'known' : model === null ? 'nearest' : settings.inference;
-    const intent = inference === 'known' || inference === 'nearest' ? null : model;
+    const { values, intent: model } = hangar.crew(task, settings.values, settings.inference);
+    const able = values !== null && (model !== null || !needsNetwork(settings.inference));
+    const inference: Inference = mode.mode === 'demo' ? 'known' : able ? settings.inference : 'nearest';
+    const intent = needsNetwork(inference) ? model : null;
     try {
       await hangar.equip(core, [values, intent]);
     } catch (error) {

@@ -43,6 +43,7 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
     let push = if plant.space().commands() > 0 { Action::Command(2) } else { Action::axes(&[1.0, 0.25]) };
     let assisted = rule != Rule::Hic;
     let hash = |i| models.iter().nth(i).filter(|_| assisted).map(|model| model.hash().to_owned());
+    let of_intent = if inference.hides_goals() { 2 } else { 1 };
     let setup = Setup {
         plant_version: made::plants().entry(&task).unwrap().version,
         task,
@@ -52,7 +53,7 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
         silence: Silence::Best,
         time_scale: 1.0,
         values: hash(0),
-        intent: hash(1),
+        intent: hash(of_intent),
         pilot: "test".into(),
     };
     let mut plant = made::plants().make(&setup.task).unwrap();
@@ -72,14 +73,15 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
 
 #[test]
 fn a_tick_with_both_networks_allocates_no_more_than_the_plant_does() {
-    for [values, intent] in
-        [[made::values(3), made::intent(4)], [made::values_on_axes(3), made::intent_on_axes(4)]]
-    {
+    let of_commands = [made::values(3), made::intent(4), made::imagining(5)];
+    let of_axes = [made::values_on_axes(3), made::intent_on_axes(4), made::imagining_on_axes(5)];
+    for of_plant_and_models in [of_commands, of_axes] {
         let mut models = Models::new();
-        models.add_model(values);
-        models.add_model(intent);
+        for model in of_plant_and_models {
+            models.add_model(model);
+        }
         let of_plant = allocations(Rule::Hic, Inference::Nearest, &models);
-        for inference in [Inference::InverseDistance, Inference::Softmax, Inference::Calibrated] {
+        for inference in Inference::ALL {
             for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }] {
                 assert_eq!(allocations(rule, inference, &models), of_plant, "{rule:?} {inference:?}");
             }

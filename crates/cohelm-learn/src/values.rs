@@ -349,6 +349,7 @@ impl<'a> Training<'a> {
             space: plant.space().clone(),
             state: plant.view().state.len(),
             goals: plant.view().goals.len(),
+            goal_spread: None,
             encoder_version: VALUES_VERSION,
             sees_asked: self.options.sees_asked,
             free_outputs: matches!(self.choices, Choices::Commands(outputs) if Some(outputs) != Outputs::of(plant.space())),

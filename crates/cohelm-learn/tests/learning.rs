@@ -256,7 +256,7 @@ fn intent_learns_from_recorded_flights_and_is_scored_on_others_than_those_it_lea
 
 #[test]
 fn live_learning_gives_a_new_model_after_every_episode_and_the_same_ones_again() {
-    BENCHES.map(|bench| learns_live(&bench()));
+    BENCHES.iter().for_each(|bench| learns_live(&bench()));
 }
 
 fn learns_live(bench: &Bench) {

@@ -22,6 +22,7 @@
 //! | [`registry`] | plants by name |
 //! | [`report`] | an opening and one report a tick, for whoever shows a flight |
 //! | [`random`] | draws from a seed |
+//! | [`laws`] | what every plant must keep, for the tests of whoever writes one |
 //! | [`point`] | the smallest plant: a point and two goals |
 //!
 //! This crate does no input or output, knows no clock, no network and no lander, and draws no random number from a
@@ -38,6 +39,7 @@ pub mod human;
 pub mod impaired;
 pub mod intent;
 pub mod keys;
+pub mod laws;
 pub mod pilot;
 pub mod plant;
 pub mod point;

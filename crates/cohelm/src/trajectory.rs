@@ -161,7 +161,9 @@ fn digest_of_step(digest: u64, plant: &dyn Plant, step: &Step) -> u64 {
 fn digest_of_decision(digest: u64, tick: &Tick<'_>) -> u64 {
     let values = tick.values.values().iter().map(|value| value.to_bits());
     let belief = tick.belief.probabilities().iter().map(|p| p.to_bits());
-    let words = values.chain(belief).chain([tick.belief.goal as u32, tick.belief.confidence.to_bits()]);
+    let imagined = tick.belief.imagined_goal().into_iter().flat_map(|goal| goal.position.map(f32::to_bits));
+    let belief = belief.chain([tick.belief.goal as u32, tick.belief.confidence.to_bits()]);
+    let words = values.chain(belief).chain(imagined);
     let executed = match tick.executed {
         None => [u32::MAX; 4],
         Some(Action::Command(command)) => [u32::from(command), 0, 0, 0],

@@ -8,6 +8,7 @@ use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use cohelm::action::ActionSpace;
 use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
