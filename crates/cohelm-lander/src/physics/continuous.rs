@@ -4,12 +4,12 @@
 //! pushed apart, and sent on for the rest of the step; then the next earliest, until there is none.
 
 use super::body::parts;
-use super::contact_row::{Correction, Velocity};
+use super::contact_row::{ContactRow, Correction, Velocity};
 use super::distance::Pair;
 use super::impact::time_of_impact;
 use super::position::Position;
 use super::tuning::{MAX_SUB_STEPS, TOI_POSITION_ITERATIONS};
-use super::vector::smaller;
+use super::vector::{Rotation, smaller};
 use super::world::World;
 
 /// What one step remembers of a contact's impacts.
@@ -104,7 +104,8 @@ impl World {
         self.bodies[body].wake();
         let island = self.impact_island(index, body);
         self.solve_island(&island, body, (1.0 - alpha) * step_s);
-        self.bodies[body].refresh_box(&parts()[body]);
+        let state = &mut self.bodies[body];
+        state.refresh_box(&parts()[body], Rotation::of(state.sweep.a0));
         for (contact, impacts) in self.contacts.iter().zip(&mut calendar.impacts) {
             if contact.body == body {
                 impacts.next = None;
@@ -147,11 +148,24 @@ impl World {
             row.prepare(&position);
         }
         for _ in 0..self.settings.velocity_iterations {
-            for row in &mut rows {
-                row.iterate(&mut velocity);
+            if stands_still(&mut rows, &mut velocity) {
+                break;
             }
         }
         position.drift(&mut velocity, rest_s);
         self.bodies[body].take(&position, velocity);
     }
+}
+
+/// One iteration over the velocities of one body's contacts. True if it left everything as it was, to the bit: then so would all
+/// that follow.
+fn stands_still(rows: &mut [ContactRow], velocity: &mut Velocity) -> bool {
+    let before = velocity.bits();
+    let mut same = true;
+    for row in rows {
+        let impulses = row.impulse_bits();
+        row.iterate(velocity);
+        same &= row.impulse_bits() == impulses;
+    }
+    same && velocity.bits() == before
 }
