@@ -152,9 +152,10 @@ async fn a_flight_from_the_page_to_the_goal_is_stored_and_verified_from_its_stat
     let python = Python::start();
     let (disk, address) = flying(&python).await;
     let mut page = Page::open(address).await;
-    for (seed, rule) in [(1, "hic"), (2, "misc")] {
+    for (seed, rule) in [(1, "hic"), (2, "misc-r")] {
         let ready = page.begin(seed, rule).await;
         assert_eq!((&ready["ready"]["name"], &ready["ready"]["has_values"]), (&json!("cart"), &json!(false)));
+        assert_eq!(ready["ready"]["opening"]["setup"]["rule"]["rule"], "hic", "alone without values");
         let ended = page.fly(&ready, |_| ()).await;
         assert_eq!((&ended["ending"], &ended["why"]), (&json!("goal"), &Value::Null), "{ended}");
         assert!(ended["episode"].is_i64() && ended["corrected"] == 0, "{ended}");
