@@ -90,7 +90,9 @@ impl Page {
     }
 
     async fn begin(&mut self, seed: u64, rule: &str) -> Value {
-        self.say(json!({ "begin": { "seed": seed, "rule": { "rule": rule } } })).await;
+        let rule =
+            if rule == "misc-r" { json!({ "rule": rule, "kappa": 0.7 }) } else { json!({ "rule": rule }) };
+        self.say(json!({ "begin": { "seed": seed, "rule": rule } })).await;
         self.hear().await
     }
 
