@@ -29,6 +29,9 @@ pub struct Intents {
     /// More models, files or folders, beside the shipped ones; the newest that fits is taken.
     #[arg(long = "model", value_name = "PATH")]
     models: Vec<PathBuf>,
+    /// A variant of intent models, such as changing, for the inferences that it serves; the others have the usual one.
+    #[arg(long)]
+    variant: Option<String>,
     /// The people who fly: a population of simulated pilots.
     #[arg(long, default_value = "ordinary")]
     pilots: Population,
@@ -68,6 +71,7 @@ impl Intents {
             episodes: self.episodes,
             rules: vec![Rule::Misc, Rule::MiscR { kappa: DEFAULT_KAPPA }],
             inferences: Inference::ALL.into_iter().filter(able).collect(),
+            variant: self.variant,
         };
         let pilots = |plant: &dyn Plant, seed: u64, index: usize| {
             let who = Person { population: self.pilots, seed, index: index as u64 };
