@@ -13,7 +13,7 @@ import { say } from './message';
 import { Overlay } from './overlay';
 import { keepSettings, loadSettings, type Settings } from './settings';
 import { Stage } from './stage';
-import { ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
+import { DRAG, ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
 
 /** How long an ending is watched before the card comes, ms. */
 const WATCH_ENDING_MS = 900;
@@ -252,6 +252,7 @@ export class FlyView implements View {
     const content = [
       element('p', {}, text),
       ...(robot ? [] : [element('p', { class: 'mode-title' }, mode.title), keys]),
+      ...(!robot && this.run!.hasAxes ? [element('p', { class: 'drag' }, DRAG)] : []),
     ];
     this.card.show('ready', robot ? 'Watch the robot' : 'Ready to fly', content, [
       { label: 'Start', key: '⏎', primary: true, press: () => this.begin() },

@@ -2,6 +2,7 @@
 
 use crate::action::{Action, ActionSpace, Effect};
 use crate::scene::{Pose, Scene};
+use crate::tape::Tape;
 use serde::{Deserialize, Serialize};
 
 /// A goal that the pilot may have: a landing pad, an object to reach.
@@ -113,7 +114,8 @@ pub struct Step {
 /// Something that is steered, one action a tick.
 ///
 /// A plant is deterministic: the seed given to [`reset`](Plant::reset) fixes everything random about the episode, and
-/// equal actions then give equal bits. No method fails: actions are checked against [`space`](Plant::space) before
+/// equal actions then give equal bits; where it is elsewhere and cannot be, its [`tape`](Plant::tape) is what a record
+/// keeps. No method fails: actions are checked against [`space`](Plant::space) before
 /// they get here.
 pub trait Plant: Send {
     /// Begins the episode of a seed.
@@ -167,6 +169,11 @@ pub trait Plant: Send {
 
     /// Optional: an independent copy that goes on with the same bits.
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
+        None
+    }
+
+    /// Optional: what was seen of a plant that is elsewhere, where seed and actions do not give its states back.
+    fn tape(&self) -> Option<&Tape> {
         None
     }
 
