@@ -32,9 +32,9 @@ pub struct Intents {
     /// A variant of intent models, such as changing, for the inferences that it serves; the others have the usual one.
     #[arg(long)]
     variant: Option<String>,
-    /// The people who fly: a population of simulated pilots.
+    /// What kind of simulated people fly.
     #[arg(long, default_value = "ordinary")]
-    pilots: Population,
+    population: Population,
     /// Simulated participants.
     #[arg(long, default_value_t = 10, value_parser = whole::<usize>)]
     participants: usize,
@@ -74,7 +74,7 @@ impl Intents {
             variant: self.variant,
         };
         let pilots = |plant: &dyn Plant, seed: u64, index: usize| {
-            let who = Person { population: self.pilots, seed, index: index as u64 };
+            let who = Person { population: self.population, seed, index: index as u64 };
             rig::simulated_person(&plants, &task, plant, who)
         };
         let rig = Rig { plants: &plants, models: &models, pilots: &pilots, threads: self.threads };
