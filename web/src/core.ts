@@ -32,9 +32,27 @@ export interface Scene {
 }
 
 export interface Rule {
-  rule: 'hic' | 'robot' | 'lasc' | 'misc' | 'tolerance' | 'misc-r';
+  rule:
+    | 'hic'
+    | 'robot'
+    | 'lasc'
+    | 'line-graph'
+    | 'threshold'
+    | 'hindsight'
+    | 'misc'
+    | 'tolerance'
+    | 'misc-r'
+    | 'ida'
+    | 'safe-nearest';
   alpha?: number;
   kappa?: number;
+  start?: number;
+  full?: number;
+  most?: number;
+  confidence?: number;
+  likeness?: number;
+  hold?: number;
+  horizon?: number;
 }
 
 export type Inference = 'nearest' | 'known' | 'inverse-distance' | 'softmax' | 'calibrated';

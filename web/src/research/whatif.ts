@@ -2,7 +2,7 @@
 
 import type { Hands, Inference, Rule, Setup, Wish } from '../core';
 import { button, element, select } from '../dom';
-import { RULE_NAMES } from '../words';
+import { RULE_NAMES, parametersOf } from '../words';
 
 /** Rules as they are offered; the record's own comes first. */
 const RULES: Rule[] = [
@@ -11,6 +11,11 @@ const RULES: Rule[] = [
   { rule: 'misc' },
   { rule: 'misc-r', kappa: 0.7 },
   { rule: 'tolerance', alpha: 0.6 },
+  { rule: 'line-graph', start: 0.2, full: 0.8, most: 1 },
+  { rule: 'threshold', confidence: 0.6 },
+  { rule: 'hindsight', likeness: 0 },
+  { rule: 'ida' },
+  { rule: 'safe-nearest', hold: 5, horizon: 30 },
   { rule: 'robot' },
 ];
 const INFERENCES: [Inference, string][] = [
@@ -21,9 +26,9 @@ const INFERENCES: [Inference, string][] = [
   ['known', 'told the goal'],
 ];
 
-export function ruleWords({ rule, kappa, alpha }: Rule): string {
-  const number = kappa !== undefined ? ` κ ${kappa}` : alpha !== undefined ? ` α ${alpha}` : '';
-  return RULE_NAMES[rule] + number;
+export function ruleWords(rule: Rule): string {
+  const parameters = parametersOf(rule);
+  return RULE_NAMES[rule.rule] + (parameters ? ` ${parameters}` : '');
 }
 
 export function handsWords(hands: Hands): string {
