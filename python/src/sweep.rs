@@ -1,11 +1,7 @@
 //! Sweeps: a folder of jobs, and one job from record to record. How they are spread is Python's, in `cohelm/sweep.py`.
 
 use crate::errors::Kind;
-use crate::training::person;
 use crate::world::plants;
-use cohelm::human::Population;
-use cohelm::pilot::Pilot;
-use cohelm::plant::Plant;
 use cohelm::registry::Plants;
 use cohelm_copilot::{Model, Models, shipped};
 use cohelm_lab::sweep::{
@@ -29,17 +25,8 @@ fn bench() -> &'static Bench {
     BENCH.get_or_init(|| Bench { plants: plants(), models: shipped::models().0 })
 }
 
-fn simulated(
-    plant: &dyn Plant,
-    population: Population,
-    seed: u64,
-    index: u64,
-) -> Result<Box<dyn Pilot>, String> {
-    person(plant, population, seed, index)
-}
-
 fn lab(models: &Models) -> Lab<'_> {
-    Lab { plants: &bench().plants, models, people: &simulated }
+    Lab { plants: &bench().plants, models }
 }
 
 #[allow(clippy::needless_pass_by_value, reason = "for map_err")]

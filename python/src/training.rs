@@ -3,15 +3,14 @@
 use crate::errors::Kind;
 use crate::models::{IntentModel, ValueModel};
 use crate::world::plants;
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
-use cohelm::registry::Task;
+use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Kind as ModelKind, shipped};
 use cohelm_lab::experiment::{Experiment, Rig};
 use cohelm_lab::reproduce::conditions;
 use cohelm_lab::results::{Results, participant_keys};
-use cohelm_lander::pilots::participant;
 use cohelm_learn::{IntentOptions, Job, Progress, ValueOptions};
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -61,6 +60,7 @@ pub fn train_values(
         let (plants, task) = (plants(), order.task());
         let variant = (!["default", "gymnasium"].contains(&preset)).then_some(preset);
         let job = order.job(&plants, &task, variant);
+        let pilots = |plant: &dyn Plant, number: u64| pilot(&plants, &task, plant, number);
         cohelm_learn::train_values(&job, &options, Some(&pilots), watch)
     })?;
     let report = json!({ "validation": trained.validation, "profile": trained.profile });
@@ -84,6 +84,7 @@ pub fn train_intent(
     let values = values.trained().ok_or_else(of_ours)?.clone();
     let trained = with_watch(py, progress, |watch| {
         let (plants, task) = (plants(), order.task());
+        let pilots = |plant: &dyn Plant, number: u64| pilot(&plants, &task, plant, number);
         cohelm_learn::train_intent(&order.job(&plants, &task, None), &values, &options, &pilots, watch)
     })?;
     let report = json!({ "scores": trained.scores, "closed_loop": trained.closed_loop });
@@ -127,8 +128,9 @@ pub fn reproduce(
         pilot: format!("simulated {population}"),
     };
     let rows = py.detach(|| {
-        let people =
-            |plant: &dyn Plant, seed: u64, index: usize| person(plant, population, seed, index as u64);
+        let people = |plant: &dyn Plant, seed: u64, index: usize| {
+            person(&plants, &task, plant, Person { population, seed, index: index as u64 })
+        };
         let rig = Rig { plants: &plants, models: &models, pilots: &people, threads };
         let flown = experiment.run(&rig)?;
         let results = Results { conditions: &experiment.conditions, participants, flown: &flown };
@@ -227,17 +229,19 @@ fn with_watch<T: Send>(
     }
 }
 
-fn pilots(plant: &dyn Plant, number: u64) -> Result<Box<dyn Pilot>, String> {
-    person(plant, Population::Ordinary, TRAINING_PILOTS, number)
+/// Participant `index` of those that learning meets.
+fn pilot(plants: &Plants, task: &Task, plant: &dyn Plant, index: u64) -> Result<Box<dyn Pilot>, String> {
+    person(plants, task, plant, Person { population: Population::Ordinary, seed: TRAINING_PILOTS, index })
 }
 
-/// Participant `index` of the draw of `seed` from a population.
+/// A simulated person at the keys of a task's plant.
 pub fn person(
+    plants: &Plants,
+    task: &Task,
     plant: &dyn Plant,
-    population: Population,
-    seed: u64,
-    index: u64,
+    who: Person,
 ) -> Result<Box<dyn Pilot>, String> {
-    let pilot = participant(plant.space(), population, seed, index);
-    pilot.map(|pilot| Box::new(pilot) as _).map_err(|error| error.to_string())
+    let entry = plants.entry(task).map_err(|error| error.to_string())?;
+    let pilot = entry.participant(plant.space(), who).map_err(|error| error.to_string())?;
+    Ok(Box::new(pilot))
 }

@@ -5,9 +5,10 @@ use crate::arbitration::Rule;
 use crate::errors::Kind;
 use crate::models::{IntentModel, ValueModel};
 use crate::picture::picture;
+use crate::training::person;
 use cohelm::action::{Action, ActionSpace};
 use cohelm::cockpit::{Cockpit, Silence, Tick};
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
 use cohelm::intent::{Inference, IntentModel as CoreIntent, KnownGoal, NearestGoal};
 use cohelm::pilot::Pilot;
 use cohelm::plant::{Plant, View};
@@ -15,7 +16,6 @@ use cohelm::registry::{Plants, Task};
 use cohelm::value::{NoOpinion, ValueModel as CoreValues};
 use cohelm_copilot::intent::NetworkIntent;
 use cohelm_copilot::model::Network;
-use cohelm_lander::pilots::participant;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -27,6 +27,8 @@ use sync_wrapper::SyncWrapper;
 pub fn plants() -> Plants {
     let mut plants = Plants::default();
     cohelm_lander::register(&mut plants);
+    plants.register(cohelm_drone::entry());
+    plants.register(cohelm_arm::entry());
     plants.register(cohelm::point::entry());
     plants
 }
@@ -372,10 +374,11 @@ impl SimulatedPilot {
     #[pyo3(signature = (world, *, population="ordinary", seed=1, index=0))]
     fn new(world: &mut World, population: &str, seed: u64, index: u64) -> PyResult<Self> {
         let population: Population = population.parse().map_err(|error| Kind::Option.error(error))?;
-        let space = world.plant.get_mut().space().clone();
-        let pilot =
-            participant(&space, population, seed, index).map_err(|error| Kind::Option.error(error))?;
-        Ok(Self { pilot: SyncWrapper::new(Box::new(pilot)), space })
+        let plant = world.plant.get_mut();
+        let who = Person { population, seed, index };
+        let pilot = person(&plants(), &world.task, plant.as_ref(), who);
+        let pilot = pilot.map_err(|error| Kind::Option.error(error))?;
+        Ok(Self { pilot: SyncWrapper::new(pilot), space: plant.space().clone() })
     }
 
     /// Begins an episode; whatever is random about the pilot comes from the seed.

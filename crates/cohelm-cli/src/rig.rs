@@ -2,18 +2,19 @@
 
 use anyhow::{Context, Result, bail};
 use cohelm::action::ActionSpace;
-use cohelm::human::Population;
+use cohelm::human::Person;
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
 use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Kind, Model, Models, shipped};
-use cohelm_lander::pilots::participant;
 use std::path::{Path, PathBuf};
 
 /// The plants there are.
 pub fn plants() -> Plants {
     let mut plants = Plants::default();
     cohelm_lander::register(&mut plants);
+    plants.register(cohelm_drone::entry());
+    plants.register(cohelm_arm::entry());
     plants.register(cohelm::point::entry());
     plants
 }
@@ -74,16 +75,16 @@ pub fn task(plant: &str, options: &[String]) -> Result<Task> {
     Ok(task)
 }
 
-/// Participant `index` of a population of simulated people at the keys of a plant.
+/// A simulated person at the keys of a task's plant.
 pub fn simulated_person(
+    plants: &Plants,
+    task: &Task,
     plant: &dyn Plant,
-    population: Population,
-    seed: u64,
-    index: u64,
+    who: Person,
 ) -> Result<Box<dyn Pilot>, String> {
-    participant(plant.space(), population, seed, index)
-        .map(|pilot| Box::new(pilot) as Box<dyn Pilot>)
-        .map_err(|error| error.to_string())
+    let entry = plants.entry(task).map_err(|error| error.to_string())?;
+    let pilot = entry.participant(plant.space(), who).map_err(|error| error.to_string())?;
+    Ok(Box::new(pilot))
 }
 
 /// The draw from which the pilots that intent learns from come; no participant comes from it.

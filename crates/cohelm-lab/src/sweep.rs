@@ -22,7 +22,7 @@ pub use folder::{Folder, Ran};
 pub use job::{Code, Flights, Job, Training, Work};
 pub use local::run_locally;
 pub use report::{document, write_report};
-pub use run::{Done, Lab, MakePerson, run_job};
+pub use run::{Done, Lab, run_job};
 pub use shelf::{Shelf, brought};
 pub use tables::{Finished, by_episode, by_job, dictionary, nodes, where_it_ran};
 

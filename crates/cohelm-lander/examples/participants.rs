@@ -5,12 +5,12 @@
 
 use cohelm::arbitration::HumanAlone;
 use cohelm::cockpit::Cockpit;
-use cohelm::human::Population;
+use cohelm::human::{Person, Population, participant};
 use cohelm::pilot::Pilot;
 use cohelm::plant::{Ending, Plant};
 use cohelm::random::mix_seed;
 use cohelm_lander::flags::{FlagLander, FlagOptions};
-use cohelm_lander::pilots::participant;
+use cohelm_lander::pilots::skill;
 use std::error::Error;
 use std::ops::AddAssign;
 
@@ -57,7 +57,7 @@ fn study(population: Population, seed: u64, episodes: u64) -> Result<Vec<Tally>,
     let mut lander = FlagLander::new(FlagOptions::default())?;
     let mut cockpit = Cockpit::unassisted(&lander, Box::new(HumanAlone));
     let mut one = |index| -> Result<Tally, Box<dyn Error>> {
-        let mut pilot = participant(lander.space(), population, seed, index)?;
+        let mut pilot = participant(skill, lander.space(), Person { population, seed, index })?;
         let mut sum = Tally::default();
         for episode in 0..episodes {
             sum += fly(&mut lander, &mut cockpit, &mut pilot, mix_seed(mix_seed(seed, index), episode));

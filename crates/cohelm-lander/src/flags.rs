@@ -44,7 +44,7 @@ use crate::craft::{Controls, Craft, Dispersion, Engines, Start};
 use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Mirror, Plant, Step, View};
 use cohelm::random::Draws;
-use cohelm::registry::PlantEntry;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
 use judge::Rest;
 use layout::{Layout, purpose};
@@ -200,6 +200,10 @@ impl Plant for FlagLander {
         &self.space
     }
 
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(self.options.limit)
+    }
+
     fn scene(&self) -> Scene {
         let Layout { surface, pads, goals, half_width, .. } = &*self.layout;
         let parts = goals.iter().zip(pads).map(|(goal, &pad)| picture::pad(goal.id, pad, *half_width));
@@ -246,6 +250,14 @@ impl Plant for FlagLander {
     }
 }
 
+/// The action sets to offer where people choose.
+const ACTIONS: &[OfferedActions] = &[
+    OfferedActions::named("switches", "switches (the paper’s)"),
+    OfferedActions::named("main-side", "main × side, held"),
+    OfferedActions::named("gymnasium", "Gymnasium’s four"),
+    OfferedActions::named("continuous", "axes, stick or keys"),
+];
+
 /// The flag task's entry in a registry, under the name `flag-lander`.
 pub fn entry() -> PlantEntry {
     PlantEntry {
@@ -257,5 +269,8 @@ pub fn entry() -> PlantEntry {
             lander.map(|lander| Box::new(lander) as _).map_err(|error| error.to_string())
         },
         values: None,
+        skill: Some(crate::pilots::skill),
+        actions: ACTIONS,
+        preset: "default",
     }
 }

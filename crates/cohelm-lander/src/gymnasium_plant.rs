@@ -24,7 +24,7 @@ use crate::gymnasium::{GymnasiumLander, GymnasiumOptions, Observation, TIME_LIMI
 use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View};
 use cohelm::random::Draws;
-use cohelm::registry::PlantEntry;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -165,6 +165,10 @@ impl Plant for GymnasiumPlant {
         &self.space
     }
 
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(self.task.limit)
+    }
+
     fn scene(&self) -> Scene {
         picture::scene(&self.surface(), [picture::pad(PAD.id, self.pad(), PAD_HALF_WIDTH)].into_iter())
     }
@@ -212,5 +216,21 @@ pub fn entry() -> PlantEntry {
             plant.map(|plant| Box::new(plant) as _).map_err(|error| error.to_string())
         },
         values: None,
+        skill: Some(crate::pilots::skill),
+        actions: &[
+            OfferedActions {
+                name: "four",
+                label: "nothing, left, main, right",
+                option: "continuous",
+                value: "false",
+            },
+            OfferedActions {
+                name: "axes",
+                label: "axes, stick or keys",
+                option: "continuous",
+                value: "true",
+            },
+        ],
+        preset: "gymnasium",
     }
 }

@@ -1,16 +1,18 @@
-//! Simulated people at the lander's keys: what they know about flying it, and participants drawn from a seed.
+//! Simulated people at the lander's keys: what they know about flying it.
 //!
 //! How people are (slow, distracted, mistaken) is [`cohelm::human`]'s; here is only what a person who has practised
 //! tries to do: lean against drift towards the goal, and brake the descent.
 //!
 //! ```
-//! use cohelm::{human::Population, pilot::Pilot, plant::Plant};
+//! use cohelm::human::{Person, Population, participant};
+//! use cohelm::{pilot::Pilot, plant::Plant};
 //! use cohelm_lander::flags::{FlagLander, FlagOptions};
-//! use cohelm_lander::pilots::participant;
+//! use cohelm_lander::pilots;
 //!
 //! let mut lander = FlagLander::new(FlagOptions::default())?;
 //! lander.reset(7);
-//! let mut third = participant(lander.space(), Population::Ordinary, 2024, 2)?;
+//! let third = Person { population: Population::Ordinary, seed: 2024, index: 2 };
+//! let mut third = participant(pilots::skill, lander.space(), third)?;
 //! third.begin(7);
 //! let asked = third.ask(&lander.view(), lander.pilot_goal());
 //! assert_eq!(asked, None, "nobody reacts within a tick");
@@ -19,9 +21,9 @@
 
 use crate::flags::state::{LEFT_ENGINE, MAIN_ENGINE, RIGHT_ENGINE, SPIN, TILT, VX, VY, X, Y};
 use cohelm::action::ActionSpace;
-use cohelm::human::{Axis, HumanError, HumanPilot, Plan, Population, Seen, Skill};
-use cohelm::keys::controls;
-use cohelm::random::{Draws, mix_seed};
+use cohelm::human::{Axis, Plan, Seen, Skill};
+use cohelm::keys::{NoControl, control_named, controls};
+use cohelm::random::Draws;
 use serde::{Deserialize, Serialize};
 
 /// Tilt (rad) that an average person wants for a unit of distance from the goal.
@@ -71,29 +73,11 @@ pub struct Flying {
     plan: Plan,
 }
 
-/// Why nobody can fly with these actions.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PilotError {
-    /// A key is missing.
-    #[error(
-        "flying the lander takes keys for left, main and right; there is none for {missing:?} among {known}"
-    )]
-    NoKey {
-        /// What it is for.
-        missing: &'static str,
-        /// The keys there are.
-        known: String,
-    },
-    /// The pilot itself is impossible.
-    #[error(transparent)]
-    Human(#[from] HumanError),
-}
-
 impl Flying {
     /// The skill at the keys of one of the lander's action sets.
-    pub fn new(technique: Technique, space: &ActionSpace) -> Result<Self, PilotError> {
-        let (left, main, right) =
-            (key(space, "left", "side −")?, key(space, "main", "main +")?, key(space, "right", "side +")?);
+    pub fn new(technique: Technique, space: &ActionSpace) -> Result<Self, NoControl> {
+        let key = |name, on_axis| control_named(space, name, on_axis);
+        let (left, main, right) = (key("left", "side −")?, key("main", "main +")?, key("right", "side +")?);
         let lateral = Axis {
             name: "lateral",
             plus: Some(left),
@@ -141,36 +125,10 @@ impl Skill for Flying {
     }
 }
 
-/// The control of that name, or of the name that it has on a continuous axis.
-fn key(space: &ActionSpace, name: &'static str, on_axis: &str) -> Result<u8, PilotError> {
-    let known = controls(space);
-    let index = known.iter().position(|control| control.name == name || control.name == on_axis);
-    index.map(|index| index as u8).ok_or_else(|| PilotError::NoKey {
-        missing: name,
-        known: known.iter().map(|control| control.name.as_str()).collect::<Vec<_>>().join(", "),
-    })
-}
-
-/// Sets what is drawn about a person apart from what is drawn about its technique.
-const TRAITS: u64 = 0;
-/// See [`TRAITS`].
-const TECHNIQUE: u64 = 1;
-
-/// Participant `index` of those that `seed` draws from a population, at the keys of an action set of the lander.
-///
-/// The same seed and index make the same person in every population, but for the traits in which the population
-/// differs, so that populations may be compared person by person.
-pub fn participant(
-    space: &ActionSpace,
-    population: Population,
-    seed: u64,
-    index: u64,
-) -> Result<HumanPilot, PilotError> {
-    let person = mix_seed(seed, index);
-    let traits = population.ranges().draw(&mut Draws::fork(person, TRAITS));
-    let technique = Technique::draw(&mut Draws::fork(person, TECHNIQUE));
-    let skill = Flying::new(technique, space)?;
-    Ok(HumanPilot::new(traits, Box::new(skill), space)?)
+/// One person's skill at the keys of one of the lander's action sets: what the lander's entries name.
+pub fn skill(space: &ActionSpace, draws: &mut Draws) -> Result<Box<dyn Skill>, String> {
+    let flying = Flying::new(Technique::draw(draws), space).map_err(|error| error.to_string())?;
+    Ok(Box::new(flying))
 }
 
 #[cfg(test)]
@@ -243,8 +201,8 @@ mod tests {
 
     #[test]
     fn a_plant_without_the_landers_keys_is_refused_by_name() {
-        let error = participant(Point::new().space(), Population::Ordinary, 1, 0).map(|_| ()).unwrap_err();
-        assert!(error.to_string().contains("none for \"left\" among x −, x +"), "{error}");
+        let error = skill(Point::new().space(), &mut Draws::new(1)).map(|_| ()).unwrap_err();
+        assert!(error.contains("none for \"left\" among x −, x +"), "{error}");
     }
 
     #[test]

@@ -1,17 +1,22 @@
 //! Simulated participants fly the flag task alone: the pattern to expect, and what must hold for each of them.
 
 use cohelm::action::Action;
-use cohelm::human::Population;
+use cohelm::human::{HumanPilot, Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::{Ending, Plant};
 use cohelm::random::mix_seed;
 use cohelm_lander::flags::{ActionSet, FlagLander, FlagOptions};
-use cohelm_lander::pilots::participant;
+use cohelm_lander::pilots::skill;
 
 const SEED: u64 = 2024;
 
 fn lander(actions: ActionSet) -> FlagLander {
     FlagLander::new(FlagOptions { actions, ..FlagOptions::default() }).expect("possible options")
+}
+
+fn participant(lander: &FlagLander, population: Population, index: u64) -> HumanPilot {
+    let person = Person { population, seed: SEED, index };
+    cohelm::human::participant(skill, lander.space(), person).expect("a participant")
 }
 
 /// One flight alone: how it ended, and what was asked at each tick; `watch` sees the pilot at each tick.
@@ -41,8 +46,7 @@ fn ten_participants_alone_crash_after_two_seconds() {
     let mut lander = lander(ActionSet::Switches);
     let (mut crashed, mut out, mut landed, mut ticks, mut requests, mut presses) = (0, 0, 0, 0, 0, 0);
     for index in 0..10 {
-        let mut pilot =
-            participant(lander.space(), Population::Ordinary, SEED, index).expect("a participant");
+        let mut pilot = participant(&lander, Population::Ordinary, index);
         for episode in 0..12 {
             let seed = mix_seed(mix_seed(SEED, index), episode);
             let (ending, asked) = fly(&mut lander, &mut pilot, seed, |_| ());
@@ -74,7 +78,7 @@ fn nobody_is_frustrated_without_a_co_pilot_whatever_the_actions() {
         let mut lander = lander(actions);
         for population in Population::ALL {
             for index in 0..2 {
-                let mut pilot = participant(lander.space(), population, SEED, index).expect("a participant");
+                let mut pilot = participant(&lander, population, index);
                 let (_, asked) = fly(&mut lander, &mut pilot, index, |pilot| {
                     assert_eq!(pilot.mood().frustration, 0.0, "{actions:?} {population}");
                 });
@@ -88,7 +92,7 @@ fn nobody_is_frustrated_without_a_co_pilot_whatever_the_actions() {
 fn every_key_is_pressed_in_every_action_set() {
     for actions in [ActionSet::Switches, ActionSet::MainSide, ActionSet::Gymnasium, ActionSet::Continuous] {
         let mut lander = lander(actions);
-        let mut pilot = participant(lander.space(), Population::Ordinary, SEED, 3).expect("a participant");
+        let mut pilot = participant(&lander, Population::Ordinary, 3);
         let mut burnt = [false; 3];
         for seed in 0..10 {
             lander.reset(seed);
@@ -113,8 +117,7 @@ fn every_key_is_pressed_in_every_action_set() {
 fn the_same_seeds_ask_the_same_and_participants_differ() {
     let asked = |index, seed| {
         let mut lander = lander(ActionSet::Switches);
-        let mut pilot =
-            participant(lander.space(), Population::Ordinary, SEED, index).expect("a participant");
+        let mut pilot = participant(&lander, Population::Ordinary, index);
         fly(&mut lander, &mut pilot, seed, |_| ())
     };
     assert_eq!(asked(0, 7), asked(0, 7));
@@ -126,7 +129,7 @@ fn the_same_seeds_ask_the_same_and_participants_differ() {
 fn without_a_co_pilot_moods_that_only_help_provokes_change_nothing() {
     let asked = |population| {
         let mut lander = lander(ActionSet::Switches);
-        let mut pilot = participant(lander.space(), population, SEED, 5).expect("a participant");
+        let mut pilot = participant(&lander, population, 5);
         fly(&mut lander, &mut pilot, 11, |_| ())
     };
     assert_eq!(asked(Population::Ordinary), asked(Population::Fighters));

@@ -4,10 +4,12 @@ use crate::checkpoint::replace;
 use crate::evaluate::{Evaluation, evaluate};
 use crate::intent::train_intent;
 use crate::intent_options::IntentOptions;
-use crate::job::{Job, LearnError, PilotFactory};
+use crate::job::{Job, LearnError};
 use crate::options::ValueOptions;
 use crate::progress::Watch;
 use crate::values::train_values;
+use cohelm::pilot::Pilot;
+use cohelm::plant::Plant;
 use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Card, Model};
 use serde::{Deserialize, Serialize};
@@ -56,8 +58,8 @@ pub struct Shipped {
 pub struct Yard<'a> {
     /// The plants there are.
     pub plants: &'a Plants,
-    /// Their simulated pilots.
-    pub pilots: PilotFactory<'a>,
+    /// Makes the simulated pilot of a number for a task: the same person for the same number.
+    pub pilots: &'a (dyn Fn(&Task, &dyn Plant, u64) -> Result<Box<dyn Pilot>, String> + Sync),
     /// Threads to use.
     pub threads: NonZeroUsize,
     /// Where models and cards go.
@@ -75,13 +77,14 @@ pub fn ship(yard: &Yard<'_>, recipe: &Recipe, watch: Watch<'_>) -> Result<Vec<Sh
         name: &recipe.name,
         variant: recipe.variant.as_deref(),
     };
+    let pilots = |plant: &dyn Plant, number: u64| (yard.pilots)(&recipe.task, plant, number);
     let options = ValueOptions::preset(&recipe.preset)?;
-    let trained = train_values(&job, &options, Some(yard.pilots), watch)?.model;
+    let trained = train_values(&job, &options, Some(&pilots), watch)?.model;
     let fresh = evaluate(&job, &trained, FRESH_SET, FRESH_EPISODES)?;
     let values = with_score(&trained, "fresh", json!(fresh))?;
     let mut shipped = vec![write(yard.folder, values.clone(), Some(fresh))?];
     if let Some(options) = &recipe.intent {
-        let intent = train_intent(&job, &values, options, yard.pilots, watch)?;
+        let intent = train_intent(&job, &values, options, &pilots, watch)?;
         shipped.push(write(yard.folder, intent.model, None)?);
     }
     Ok(shipped)

@@ -31,6 +31,7 @@
 use crate::SOURCE_HASH;
 use crate::page::{Page, PageError};
 use cohelm::keys::Change;
+use cohelm::registry::{OfferedActions, PlantEntry};
 use serde::Serialize;
 use std::cell::RefCell;
 
@@ -179,13 +180,25 @@ struct AboutPlant {
     name: &'static str,
     version: u32,
     summary: &'static str,
+    /// The sets of actions to choose from, the usual one first.
+    actions: Vec<AboutActions>,
+}
+
+#[derive(Serialize)]
+struct AboutActions {
+    name: &'static str,
+    label: &'static str,
+    options: serde_json::Value,
 }
 
 fn about(page: &Page) -> About {
-    let plant = |entry: &cohelm::registry::PlantEntry| AboutPlant {
+    let actions =
+        |set: &OfferedActions| AboutActions { name: set.name, label: set.label, options: set.options() };
+    let plant = |entry: &PlantEntry| AboutPlant {
         name: entry.name,
         version: entry.version,
         summary: entry.summary,
+        actions: entry.actions.iter().map(actions).collect(),
     };
     About {
         source_hash: SOURCE_HASH,

@@ -1,6 +1,6 @@
 //! A record that is flown on from one of its ticks, under another rule or by another pilot.
 
-use crate::fleet::{Crew, people, values_of};
+use crate::fleet::{Crew, person, values_of};
 use crate::page::PageError;
 use cohelm::action::ActionSpace;
 use cohelm::arbitration::Rule;
@@ -103,7 +103,9 @@ impl Means<'_> {
             Hands::Recorded => return Ok(None),
             Hands::Nobody => Box::new(Silent),
             Hands::Greedy => Box::new(Greedy::new(values_of(setup, self.plants, self.models)?)),
-            Hands::Person { population, person } => people(space, population, person)?,
+            Hands::Person { population, person: index } => {
+                person(self.plants.entry(&setup.task)?, space, population, index)?
+            }
         };
         pilot.begin(setup.seed);
         Ok(Some(pilot))

@@ -3,15 +3,14 @@
 use crate::page::PageError;
 use cohelm::action::ActionSpace;
 use cohelm::cockpit::Cockpit;
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
-use cohelm::registry::Plants;
+use cohelm::registry::{PlantEntry, Plants};
 use cohelm::trajectory::{MAX_SEED, Setup};
 use cohelm::value::ValueModel;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Models, Network, cockpit};
-use cohelm_lander::pilots::participant;
 
 /// The draw that the page's simulated people come from.
 const PEOPLE: u64 = 0x0064_6573_6b00;
@@ -20,6 +19,8 @@ const PEOPLE: u64 = 0x0064_6573_6b00;
 pub fn plants() -> Plants {
     let mut plants = Plants::default();
     cohelm_lander::register(&mut plants);
+    plants.register(cohelm_drone::entry());
+    plants.register(cohelm_arm::entry());
     plants.register(cohelm::point::entry());
     plants
 }
@@ -49,9 +50,14 @@ impl Crew {
     }
 }
 
-/// Person number `person` of a population, at the keys of these actions; refused where no skill is known for them.
-pub fn people(space: &ActionSpace, population: Population, person: u64) -> Result<Box<dyn Pilot>, PageError> {
-    Ok(Box::new(participant(space, population, PEOPLE, person)?))
+/// Person number `index` of a population, at the keys of a task's actions; refused where no skill is known for them.
+pub fn person(
+    entry: &PlantEntry,
+    space: &ActionSpace,
+    population: Population,
+    index: u64,
+) -> Result<Box<dyn Pilot>, PageError> {
+    Ok(Box::new(entry.participant(space, Person { population, seed: PEOPLE, index })?))
 }
 
 /// The values that a setup's cockpit has, for a pilot of its own; refused where it has none.

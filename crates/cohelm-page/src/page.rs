@@ -7,12 +7,12 @@ use crate::viewing::Viewing;
 use cohelm::action::{Action, ActionSpace};
 use cohelm::branch::BranchError;
 use cohelm::flight::{Flight, replay};
+use cohelm::human::ParticipantError;
 use cohelm::keys::Change;
 use cohelm::registry::{PlantEntry, Plants, TaskError};
 use cohelm::report::{Opening, TickReport};
 use cohelm::trajectory::{MAX_SEED, Setup, Trajectory, TrajectoryError, put_event};
 use cohelm_copilot::{CockpitError, ModelError, Models};
-use cohelm_lander::pilots::PilotError;
 
 /// One page: it flies one flight, shows one record, or flies one on, at a time.
 ///
@@ -90,7 +90,7 @@ pub enum PageError {
     Branch(#[from] BranchError),
     /// Nobody knows how to fly this by its keys.
     #[error(transparent)]
-    Pilot(#[from] PilotError),
+    Pilot(#[from] ParticipantError),
     /// A pilot that follows values has none.
     #[error("there are no values for {0:?} that a pilot could follow; name a model")]
     NoValues(String),

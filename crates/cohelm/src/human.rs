@@ -50,12 +50,14 @@
 
 mod fingers;
 mod mood;
+mod participant;
 mod perception;
 mod population;
 mod skill;
 mod traits;
 
 pub use mood::{CALM_DEAD_BANDS, Mood, REPRESS_FRUSTRATION};
+pub use participant::{MakeSkill, ParticipantError, Person, participant};
 pub use population::{Population, UnknownPopulation};
 pub use skill::{Axis, Plan, Seen, Skill};
 pub use traits::{NOISE_MEMORY, Ranges, SHORTEST_DWELL_TICKS, TraitError, Traits};

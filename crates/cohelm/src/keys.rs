@@ -18,6 +18,33 @@ pub struct Control {
     pub keys: Vec<String>,
 }
 
+/// No control is called so.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("this is steered with a key for {missing:?}; there is none for {missing:?} among {known}")]
+pub struct NoControl {
+    /// What it is called.
+    pub missing: String,
+    /// The controls that there are.
+    pub known: String,
+}
+
+/// The control of that name, or of the other name that it has on a continuous axis.
+///
+/// ```
+/// use cohelm::keys::control_named;
+/// use cohelm::plant::Plant;
+/// use cohelm::point::Point;
+/// assert_eq!(control_named(Point::new().space(), "right", "x +"), Ok(1));
+/// ```
+pub fn control_named(space: &ActionSpace, name: &str, on_axis: &str) -> Result<u8, NoControl> {
+    let known = controls(space);
+    let index = known.iter().position(|control| control.name == name || control.name == on_axis);
+    index.map(|index| index as u8).ok_or_else(|| NoControl {
+        missing: name.into(),
+        known: known.iter().map(|control| control.name.as_str()).collect::<Vec<_>>().join(", "),
+    })
+}
+
 /// What a person did to a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -126,6 +126,11 @@ pub trait Plant: Send {
         50.0
     }
 
+    /// After how many ticks an episode is over in any case; `None` if it may last for ever.
+    fn limit_ticks(&self) -> Option<u32> {
+        None
+    }
+
     /// How much `action` is like what was `asked`: f of Eq. 4.
     fn similarity(&self, action: Action, asked: Action) -> f32 {
         self.space().similarity(action, asked)

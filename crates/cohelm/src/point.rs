@@ -3,6 +3,8 @@
 //! It is here to show, in one screen, all that a plant needs; tests carry it through tick, store, replay and page.
 
 use crate::action::{Action, ActionSpace};
+use crate::human::{Axis, Plan, Seen, Skill};
+use crate::keys::{NoControl, control_named};
 use crate::plant::{Ending, Goal, Plant, Step, View};
 use crate::random::Draws;
 use crate::registry::PlantEntry;
@@ -94,6 +96,10 @@ impl Plant for Point {
         &self.space
     }
 
+    fn limit_ticks(&self) -> Option<u32> {
+        Some(LIMIT)
+    }
+
     fn scene(&self) -> Scene {
         let disc = |center, radius| vec![Shape::Disc { center, radius }];
         let goal =
@@ -174,6 +180,33 @@ fn nearness(push: Action, ideal: [f32; 2]) -> f32 {
     -libm::hypotf(push.axis(0) - ideal[0], push.axis(1) - ideal[1])
 }
 
+/// What a person tries to do: go towards the goal, slower the nearer.
+struct Pushing(Plan);
+
+impl Pushing {
+    fn new(space: &ActionSpace) -> Result<Self, NoControl> {
+        let axis = |name, minus, plus| -> Result<Axis, NoControl> {
+            let (minus, plus) = (control_named(space, minus, minus)?, control_named(space, plus, plus)?);
+            Ok(Axis { name, plus: Some(plus), minus: Some(minus), release: 0.3, droppable: true })
+        };
+        let axes = vec![axis("x", "x −", "x +")?, axis("y", "y −", "y +")?];
+        Ok(Self(Plan { axes, moving: vec![0, 1, 2, 3], judged: vec![2, 3], shown: vec![] }))
+    }
+}
+
+impl Skill for Pushing {
+    fn plan(&self) -> &Plan {
+        &self.0
+    }
+
+    fn errors(&self, seen: &Seen<'_>, errors: &mut [f64]) {
+        for (i, error) in errors.iter_mut().enumerate() {
+            let wanted_speed = (seen.goal[i] - seen.state[i]).clamp(-0.6, 0.6);
+            *error = (wanted_speed - seen.state[2 + i]) / 0.05;
+        }
+    }
+}
+
 /// The point's entry in a registry, under the name `point`.
 pub fn entry() -> PlantEntry {
     PlantEntry {
@@ -185,5 +218,8 @@ pub fn entry() -> PlantEntry {
             _ => Err(format!("the point has no options, got {options}")),
         },
         values: Some(|| Box::new(PointValues::new())),
+        skill: Some(|space, _| Ok(Box::new(Pushing::new(space).map_err(|error| error.to_string())?))),
+        actions: &[],
+        preset: "default",
     }
 }

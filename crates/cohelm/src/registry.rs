@@ -1,5 +1,7 @@
 //! Plants by name. Whoever puts a program together registers them; nobody else names one.
 
+use crate::action::ActionSpace;
+use crate::human::{HumanPilot, MakeSkill, ParticipantError, Person, participant};
 use crate::plant::Plant;
 use crate::value::ValueModel;
 use serde::{Deserialize, Serialize};
@@ -48,6 +50,46 @@ pub struct PlantEntry {
     pub make: fn(&Value) -> Result<Box<dyn Plant>, String>,
     /// Hand-made values, for a plant that needs no training.
     pub values: Option<fn() -> Box<dyn ValueModel>>,
+    /// What a person who has practised tries to do at its keys; `None` where there are no simulated people.
+    pub skill: Option<MakeSkill>,
+    /// The sets of actions to offer where people choose, the usual one first; empty if there is only one.
+    pub actions: &'static [OfferedActions],
+    /// Name of the preset of value training that suits its rewards: `default` where a good episode is worth about 1 to 3.
+    pub preset: &'static str,
+}
+
+/// A set of actions that a plant can be steered with: options of the plant, and what people call it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OfferedActions {
+    /// A short word, which names the set in addresses and in the names of models.
+    pub name: &'static str,
+    /// What people read.
+    pub label: &'static str,
+    /// The option of the plant that chooses the set.
+    pub option: &'static str,
+    /// The option's value: JSON, or else the text itself.
+    pub value: &'static str,
+}
+
+impl OfferedActions {
+    /// A set that is chosen by its name with the plant's option `actions`.
+    pub const fn named(name: &'static str, label: &'static str) -> Self {
+        Self { name, label, option: "actions", value: name }
+    }
+
+    /// The options that choose the set: an object.
+    pub fn options(&self) -> Value {
+        let value = serde_json::from_str(self.value).unwrap_or_else(|_| self.value.into());
+        Value::Object([(self.option.to_string(), value)].into_iter().collect())
+    }
+}
+
+impl PlantEntry {
+    /// A simulated person who steers it with these actions.
+    pub fn participant(&self, space: &ActionSpace, who: Person) -> Result<HumanPilot, ParticipantError> {
+        let skill = self.skill.ok_or(ParticipantError::NoSkill { plant: self.name })?;
+        participant(skill, space, who)
+    }
 }
 
 /// The plants a program knows.

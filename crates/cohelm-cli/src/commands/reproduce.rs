@@ -6,7 +6,7 @@ use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
 use cohelm::registry::{Plants, Task};
@@ -172,7 +172,12 @@ fn fly(
 ) -> Result<Vec<Flown>> {
     let population = crew.population;
     let pilots = |plant: &dyn Plant, seed: u64, index: usize| -> Result<Box<dyn Pilot>, String> {
-        rig::simulated_person(plant, population, seed, index as u64)
+        rig::simulated_person(
+            plants,
+            &experiment.task,
+            plant,
+            Person { population, seed, index: index as u64 },
+        )
     };
     let mut models = models.clone();
     models.add_model(crew.values.clone());

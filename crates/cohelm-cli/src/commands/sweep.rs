@@ -99,7 +99,7 @@ impl Run {
 
     fn locally(&self, folder: &Folder, shelf: &Shelf, open: &[&Planned]) -> Result<()> {
         let plants = rig::plants();
-        let lab = Lab { plants: &plants, models: &shelf.models, people: &rig::simulated_person };
+        let lab = Lab { plants: &plants, models: &shelf.models };
         let bar = if self.format.shows_progress() {
             ProgressBar::new(open.len() as u64)
         } else {
@@ -138,7 +138,7 @@ fn plan(file: &Path, out: &Path) -> Result<(Folder, Shelf, Vec<Planned>)> {
     let description = Description::from_toml(&text)?;
     let base = file.parent().unwrap_or(Path::new("."));
     let (plants, shelf) = (rig::plants(), Shelf::new(rig::models(&[])?, &description, base)?);
-    let lab = Lab { plants: &plants, models: &shelf.models, people: &rig::simulated_person };
+    let lab = Lab { plants: &plants, models: &shelf.models };
     let planned = description.jobs(&lab, &|kind, word, task, space| shelf.choose(kind, word, task, space))?;
     let folder = Folder::new(out)?;
     folder.plan(&text, &planned, &shelf.brought())?;

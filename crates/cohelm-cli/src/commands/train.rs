@@ -8,9 +8,10 @@ use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
+use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
-use cohelm::registry::Task;
+use cohelm::registry::{PlantEntry, Plants, Task};
 use cohelm::trajectory::Trajectory;
 use cohelm_copilot::Model;
 use cohelm_learn::ship::{Recipe, Yard, ship, write_model};
@@ -94,10 +95,10 @@ impl Train {
         }
         let task = rig::task(&self.task, &self.options)?;
         let plants = rig::plants();
-        let plant = plants.make(&task)?;
-        let name = self.name.clone().unwrap_or_else(|| usual_name(&task));
-        let usual = ["default", "gymnasium"].contains(&self.preset_name());
-        let variant = (!usual).then(|| self.preset_name());
+        let (plant, entry) = (plants.make(&task)?, plants.entry(&task)?);
+        let name = self.name.clone().unwrap_or_else(|| usual_name(&task, entry));
+        let preset = self.preset_name(entry);
+        let variant = (preset != entry.preset && preset != "default").then_some(preset);
         let job = Job {
             plants: &plants,
             task: &task,
@@ -129,9 +130,10 @@ impl Train {
 
 impl Train {
     fn values(&self, job: &Job<'_>) -> Result<TrainedValues> {
-        let preset = ValueOptions::preset(self.preset_name())?;
+        let preset = ValueOptions::preset(self.preset_name(job.plants.entry(job.task)?))?;
         let options: ValueOptions = changed(&preset, &self.value_options)?;
         let bar = self.bar();
+        let pilots = |plant: &dyn Plant, number: u64| pilots(job.plants, job.task, plant, number);
         let trained = train_values(job, &options, Some(&pilots), &mut |progress| show(&bar, progress))?;
         bar.finish_and_clear();
         self.write(&trained.model)?;
@@ -150,6 +152,7 @@ impl Train {
             }
         };
         let bar = self.bar();
+        let pilots = |plant: &dyn Plant, number: u64| pilots(job.plants, job.task, plant, number);
         let trained = train_intent(job, &values, &options, &pilots, &mut |progress| show(&bar, progress))?;
         bar.finish_and_clear();
         self.write(&trained.model)?;
@@ -171,9 +174,8 @@ impl Train {
         Ok(write_model(&self.out.join(format!("{}.{}.safetensors", card.name, card.kind.word())), model)?)
     }
 
-    fn preset_name(&self) -> &str {
-        let usual = if self.task == "gymnasium-lander" { "gymnasium" } else { "default" };
-        self.preset.as_deref().unwrap_or(usual)
+    fn preset_name<'a>(&'a self, entry: &'a PlantEntry) -> &'a str {
+        self.preset.as_deref().unwrap_or(entry.preset)
     }
 
     /// Makes the models of all recipes, beside the file that holds them.
@@ -184,6 +186,7 @@ impl Train {
             serde_json::from_str(&text).with_context(|| format!("{} holds no recipes", recipes.display()))?;
         let folder = recipes.parent().unwrap_or(Path::new("."));
         let plants = rig::plants();
+        let pilots = |task: &Task, plant: &dyn Plant, number: u64| pilots(&plants, task, plant, number);
         let yard = Yard { plants: &plants, pilots: &pilots, threads: threads(self.threads), folder };
         let bar = self.bar();
         let mut made = Vec::new();
@@ -280,17 +283,16 @@ impl Train {
 }
 
 /// Simulated people to learn from: ordinary ones, of another draw than any participant.
-fn pilots(plant: &dyn Plant, number: u64) -> Result<Box<dyn cohelm::pilot::Pilot>, String> {
-    rig::simulated_person(plant, Population::Ordinary, rig::TRAINING_PILOTS, number)
+fn pilots(plants: &Plants, task: &Task, plant: &dyn Plant, number: u64) -> Result<Box<dyn Pilot>, String> {
+    let who = Person { population: Population::Ordinary, seed: rig::TRAINING_PILOTS, index: number };
+    rig::simulated_person(plants, task, plant, who)
 }
 
 /// What a model for a task is called: the plant, and its actions if it has several sets.
-fn usual_name(task: &Task) -> String {
-    match task.options.get("actions").and_then(|actions| actions.as_str()) {
-        Some(actions) => format!("{}-{actions}", task.plant),
-        None if task.plant == "flag-lander" => "flag-lander-switches".into(),
-        None => task.plant.clone(),
-    }
+fn usual_name(task: &Task, entry: &PlantEntry) -> String {
+    let usual = entry.actions.iter().find(|set| set.option == "actions").map(|set| set.name);
+    let chosen = task.options.get("actions").and_then(|actions| actions.as_str());
+    chosen.or(usual).map_or_else(|| task.plant.clone(), |actions| format!("{}-{actions}", task.plant))
 }
 
 /// Options with some of them changed, each NAME=JSON.
@@ -482,11 +484,10 @@ mod tests {
 
     #[test]
     fn models_are_named_after_plant_and_actions() {
-        assert_eq!(usual_name(&Task::new("flag-lander")), "flag-lander-switches");
-        assert_eq!(
-            usual_name(&Task::new("flag-lander").with("actions", "main-side")),
-            "flag-lander-main-side"
-        );
-        assert_eq!(usual_name(&Task::new("gymnasium-lander")), "gymnasium-lander");
+        let plants = rig::plants();
+        let name = |task: Task| usual_name(&task, plants.entry(&task).unwrap());
+        assert_eq!(name(Task::new("flag-lander")), "flag-lander-switches");
+        assert_eq!(name(Task::new("flag-lander").with("actions", "main-side")), "flag-lander-main-side");
+        assert_eq!(name(Task::new("gymnasium-lander")), "gymnasium-lander");
     }
 }

@@ -5,19 +5,15 @@ use super::{Description, SweepError};
 use crate::episode::EpisodeMeasures;
 use crate::experiment::{Condition, Experiment, Flown, Rig};
 use crate::results::participant_keys;
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
-use cohelm::registry::Plants;
+use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Model, Models};
 use cohelm_learn::{ValueOptions, evaluate, train_values};
 use serde_json::{Map, Value, json};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-
-/// Makes participant `index` of the draw of `seed` from a population, or says why it cannot.
-pub type MakePerson<'a> =
-    &'a (dyn Fn(&dyn Plant, Population, u64, u64) -> Result<Box<dyn Pilot>, String> + Sync);
 
 /// Marks the draw that a training's pilots come from, so that no participant of a sweep is among them.
 const TRAINING_PILOTS: u64 = 0x7261_696e;
@@ -29,8 +25,15 @@ pub struct Lab<'a> {
     pub plants: &'a Plants,
     /// The models there are; a job names some of them.
     pub models: &'a Models,
-    /// Makes simulated people.
-    pub people: MakePerson<'a>,
+}
+
+impl Lab<'_> {
+    /// A simulated person at the keys of a task's plant, or why there is none.
+    fn person(&self, task: &Task, plant: &dyn Plant, who: Person) -> Result<Box<dyn Pilot>, String> {
+        let entry = self.plants.entry(task).map_err(|error| error.to_string())?;
+        let pilot = entry.participant(plant.space(), who).map_err(|error| error.to_string())?;
+        Ok(Box::new(pilot))
+    }
 }
 
 /// What came of a job.
@@ -72,8 +75,9 @@ impl Flights {
     }
 
     fn fly(&self, lab: &Lab<'_>) -> Result<Value, SweepError> {
-        let person =
-            |plant: &dyn Plant, seed: u64, index: usize| (lab.people)(plant, self.pilot, seed, index as u64);
+        let person = |plant: &dyn Plant, seed: u64, index: usize| {
+            lab.person(&self.task, plant, Person { population: self.pilot, seed, index: index as u64 })
+        };
         let rig = Rig { plants: lab.plants, models: lab.models, pilots: &person, threads: 1 };
         let episodes: Vec<Value> = self.experiment().run(&rig)?.iter().map(row).collect();
         Ok(json!({ "episodes": episodes }))
@@ -108,7 +112,8 @@ impl Training {
 
     fn train(&self, lab: &Lab<'_>) -> Result<(Value, Model), SweepError> {
         let pilots = |plant: &dyn Plant, number: u64| {
-            (lab.people)(plant, Population::Ordinary, TRAINING_PILOTS, number)
+            let population = Population::Ordinary;
+            lab.person(&self.task, plant, Person { population, seed: TRAINING_PILOTS, index: number })
         };
         let job = cohelm_learn::Job {
             plants: lab.plants,

@@ -2,12 +2,8 @@
 
 use super::*;
 use cohelm::action::ActionSpace;
-use cohelm::human::Population;
-use cohelm::pilot::Pilot;
-use cohelm::plant::Plant;
 use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Kind, Models, shipped};
-use cohelm_lander::pilots::participant;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -24,16 +20,6 @@ seeds = { first = 1, count = 2 }
 episodes = 2
 "#;
 
-fn person(
-    plant: &dyn Plant,
-    population: Population,
-    seed: u64,
-    index: u64,
-) -> Result<Box<dyn Pilot>, String> {
-    let pilot = participant(plant.space(), population, seed, index).map_err(|error| error.to_string())?;
-    Ok(Box::new(pilot))
-}
-
 struct World {
     plants: Plants,
     models: Models,
@@ -47,7 +33,7 @@ impl World {
     }
 
     fn lab(&self) -> Lab<'_> {
-        Lab { plants: &self.plants, models: &self.models, people: &person }
+        Lab { plants: &self.plants, models: &self.models }
     }
 
     fn plan(&self, text: &str) -> Result<Vec<Planned>, SweepError> {

@@ -120,6 +120,9 @@ pub fn entry() -> PlantEntry {
         summary: "a line with a goal at each end",
         make: |_| Ok(Box::new(Line::new())),
         values: None,
+        skill: None,
+        actions: &[],
+        preset: "default",
     }
 }
 

@@ -163,6 +163,7 @@ impl Driver for SqliteDriver {
 
     async fn close(&self) {
         self.pool.close().await;
+        door::take_the_wal_in(&self.path).await;
     }
 }
 

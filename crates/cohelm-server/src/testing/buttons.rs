@@ -66,6 +66,9 @@ pub fn entry() -> PlantEntry {
         summary: "The point with buttons.",
         make: |_| Ok(Box::new(Buttons::new())),
         values: None,
+        skill: None,
+        actions: &[],
+        preset: "default",
     }
 }
 

@@ -11,7 +11,7 @@ use clap::Args;
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
 use cohelm::flight::Flight;
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
 use cohelm::intent::Inference;
 use cohelm::plant::Plant;
 use cohelm::random::mix_seed;
@@ -231,7 +231,8 @@ impl<'a> Crew<'a> {
 
     fn person(&self, plant: &dyn Plant, number: u64) -> Result<Box<dyn cohelm::pilot::Pilot>> {
         let seed = mix_seed(self.setup.seed, PARTICIPANTS);
-        rig::simulated_person(plant, Population::Ordinary, seed, number).map_err(anyhow::Error::msg)
+        let who = Person { population: Population::Ordinary, seed, index: number };
+        rig::simulated_person(self.plants, &self.setup.task, plant, who).map_err(anyhow::Error::msg)
     }
 }
 

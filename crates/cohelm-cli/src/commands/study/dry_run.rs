@@ -10,7 +10,7 @@ use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use cohelm::flight::Flight;
-use cohelm::human::Population;
+use cohelm::human::{Person, Population};
 use cohelm::random::mix_seed;
 use cohelm::trajectory::Setup;
 use cohelm_copilot::cockpit;
@@ -229,9 +229,10 @@ impl Crowd {
 
 /// How participant `number` takes off: the same person for the same seed and number, whatever is flown.
 pub fn take_off(shelf: Arc<Shelf>, population: Population, seed: u64, number: u64) -> Arc<TakeOff> {
+    let who = Person { population, seed, index: number };
     Arc::new(move |setup: Setup| {
         let plant = shelf.plants.make(&setup.task).map_err(|error| error.to_string())?;
-        let person = rig::simulated_person(plant.as_ref(), population, seed, number)?;
+        let person = rig::simulated_person(&shelf.plants, &setup.task, plant.as_ref(), who)?;
         let made = cockpit(&setup, plant.as_ref(), &shelf.plants, &shelf.models);
         let pilot_seed = mix_seed(mix_seed(seed, number), setup.seed);
         let flight = Flight::new(setup, plant, made.map_err(|error| error.to_string())?);

@@ -51,7 +51,7 @@ pub fn read(file: &Path) -> Result<Design> {
 impl Catalogue for Shelf {
     fn check_task(&self, task: &Task) -> Result<PlantFacts, String> {
         let plant = self.plants.make(task).map_err(|error| error.to_string())?;
-        Ok(PlantFacts { ticks_per_second: plant.ticks_per_second(), limit_ticks: limit_ticks(task) })
+        Ok(PlantFacts { ticks_per_second: plant.ticks_per_second(), limit_ticks: plant.limit_ticks() })
     }
 
     fn check_condition(&self, design: &Design, condition: &Condition) -> Result<(), String> {
@@ -65,13 +65,5 @@ impl Catalogue for Shelf {
         let plant = self.plants.make(&setup.task).map_err(|error| error.to_string())?;
         let made = cockpit(&setup, plant.as_ref(), &self.plants, &self.models);
         made.map(drop).map_err(|error| told(error.to_string()))
-    }
-}
-
-/// After how many ticks a flight of the lander's tasks ends in any case.
-fn limit_ticks(task: &Task) -> Option<u32> {
-    match task.plant.as_str() {
-        "flag-lander" => Some(cohelm_lander::flags::FlagOptions::from_json(&task.options).ok()?.limit),
-        _ => None,
     }
 }

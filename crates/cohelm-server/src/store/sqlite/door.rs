@@ -6,8 +6,9 @@ use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
+use tracing::warn;
 
 /// What SQLite's header says of whose file it is: "CHLM".
 const APPLICATION_ID: i64 = 0x4348_4c4d;
@@ -57,13 +58,18 @@ fn refuse_cut_off(path: &Path) -> Result<(), StoreError> {
         bytes => bytes,
     };
     let pages = u64::from(u32::from_be_bytes([header[28], header[29], header[30], header[31]]));
-    let mut wal = path.as_os_str().to_owned();
-    wal.push("-wal");
-    let newer_elsewhere = std::fs::metadata(wal).is_ok_and(|meta| meta.len() > 0);
+    let newer_elsewhere = std::fs::metadata(wal(path)).is_ok_and(|meta| meta.len() > 0);
     if length < pages * page && !newer_elsewhere {
         return Err(damaged(format!("it is cut off: {length} of {} bytes are there", pages * page)));
     }
     Ok(())
+}
+
+/// The file that holds what is not yet in the database's own.
+fn wal(path: &Path) -> PathBuf {
+    let mut wal = path.as_os_str().to_owned();
+    wal.push("-wal");
+    wal.into()
 }
 
 async fn refuse_foreign(path: &Path) -> Result<(), StoreError> {
@@ -104,6 +110,26 @@ pub async fn connect(path: &Path) -> Result<SqlitePool, StoreError> {
         .await
         .map_err(|error| self::error(path, error))?;
     Ok(pool)
+}
+
+/// Ends what closing left undone. The last connection takes the `-wal` file into the database; but of several that close
+/// at the same moment each takes another for the last, and the file stays. Nothing is lost by that, yet whoever then
+/// copies the database's file alone would not have all. One connection by itself is the last. (While another program has
+/// the database open the file stays, as it must.)
+pub async fn take_the_wal_in(path: &Path) {
+    if !wal(path).exists() {
+        return;
+    }
+    let taken = async {
+        let options = SqliteConnectOptions::new().filename(path).busy_timeout(PATIENCE);
+        let mut connection = options.connect().await?;
+        sqlx::query("PRAGMA wal_checkpoint").execute(&mut connection).await?;
+        connection.close().await
+    };
+    if let Err(error) = taken.await {
+        let wal = wal(path);
+        warn!(file = %wal.display(), %error, "the last writes stay in this file; keep it beside the database");
+    }
 }
 
 /// How long this connection waits from now on.

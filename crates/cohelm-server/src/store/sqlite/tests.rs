@@ -23,6 +23,14 @@ fn name(path: &Path) -> String {
     path.display().to_string()
 }
 
+fn files(folder: &Path) -> Vec<String> {
+    let names =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
 async fn opened(path: &Path) -> StoreError {
     SqliteStore::open(path).await.expect_err("it should not open")
 }
@@ -76,6 +84,19 @@ async fn the_database_of_another_program_is_refused_and_left_as_it_is() {
     let before = fs::read(&path).unwrap();
     assert_eq!(opened(&path).await, StoreError::Foreign { database: name(&path) });
     assert_eq!(fs::read(&path).unwrap(), before);
+}
+
+#[tokio::test]
+async fn connections_that_close_at_the_same_moment_leave_nothing_beside_the_database() {
+    let (folder, path) = written().await;
+    // If closing the connections were all, some of these would leave a -wal file.
+    for _ in 0..20 {
+        let store = SqliteStore::open(&path).await.unwrap();
+        store.commit(&[Write::Episode { record: record(1), at_ms: 0 }]).await.unwrap();
+        on_every_connection(&store, "SELECT COUNT(*) FROM episodes").await;
+        store.close().await;
+        assert_eq!(files(folder.path()), ["flights.db"]);
+    }
 }
 
 #[tokio::test]

@@ -9,14 +9,6 @@ use cohelm_copilot::Models;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-fn files(folder: &Path) -> Vec<String> {
-    let names =
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
-    let mut names: Vec<String> = names.collect();
-    names.sort();
-    names
-}
-
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_backup_taken_while_others_write_opens_and_verifies() {
     let (disk, backups) = (Disk::new().await, tempfile::tempdir().unwrap());
