@@ -29,6 +29,8 @@ enum Command {
     Evaluate(commands::evaluate::Evaluate),
     /// Reproduce the paper's experiment with simulated pilots.
     Reproduce(commands::reproduce::Reproduce),
+    /// Compare every rule of arbitration on the same plants, people and seeds.
+    Compare(commands::compare::Compare),
     /// Check, try, run and report a study with people.
     #[command(subcommand)]
     Study(commands::study::Study),
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
         Command::Train(train) => train.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
+        Command::Compare(compare) => compare.run(),
         Command::Study(study) => study.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Episodes(episodes) => episodes.run(),
