@@ -71,6 +71,9 @@ export function parametersOf(rule: Rule): string {
   return given.map(([name, value]) => `${SIGNS[name] ?? name} = ${value}`).join(', ');
 }
 
+/** How axes are steered without keys. */
+export const DRAG = 'Or press on the picture and drag: a stick under your mouse or finger.';
+
 /** Why something failed, in words. */
 export function reasonOf(error: unknown): string {
   return error instanceof Error ? error.message : String(error);

@@ -27,6 +27,8 @@
 
 mod picture;
 pub mod pilots;
+#[cfg(test)]
+mod tests;
 
 use cohelm::action::{Action, ActionSpace, Lever};
 use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View};

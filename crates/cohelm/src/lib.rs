@@ -18,10 +18,12 @@
 //! | [`flight`] | an episode flown by keys, as the page flies it and the server follows it |
 //! | [`trajectory`] | the record of an episode, its bytes and its digest |
 //! | [`branch`] | what if: a recorded episode, flown on under another cockpit |
+//! | [`tape`] | what was seen of a plant that is elsewhere, in place of its physics |
 //! | [`scene`] | what a plant looks like, for whoever draws it |
 //! | [`registry`] | plants by name |
 //! | [`report`] | an opening and one report a tick, for whoever shows a flight |
 //! | [`random`] | draws from a seed |
+//! | [`laws`] | what every plant must keep, for the tests of whoever writes one |
 //! | [`point`] | the smallest plant: a point and two goals |
 //!
 //! This crate does no input or output, knows no clock, no network and no lander, and draws no random number from a
@@ -38,6 +40,7 @@ pub mod human;
 pub mod impaired;
 pub mod intent;
 pub mod keys;
+pub mod laws;
 pub mod pilot;
 pub mod plant;
 pub mod point;
@@ -45,5 +48,6 @@ pub mod random;
 pub mod registry;
 pub mod report;
 pub mod scene;
+pub mod tape;
 pub mod trajectory;
 pub mod value;

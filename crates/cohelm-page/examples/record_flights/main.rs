@@ -78,6 +78,10 @@ fn tasks() -> Vec<(&'static str, Task)> {
         ("lander-main-side", lander("main-side")),
         ("lander-gymnasium", lander("gymnasium")),
         ("lander-continuous", lander("continuous")),
+        ("drone-levers", Task::new("drone")),
+        ("drone-continuous", Task::new("drone").with("actions", "continuous")),
+        ("arm-levers", Task::new("arm")),
+        ("arm-continuous", Task::new("arm").with("actions", "continuous")),
         ("gymnasium", Task::new("gymnasium-lander")),
         ("gymnasium-wind", Task::new("gymnasium-lander").with("continuous", true).with("enable_wind", true)),
     ]
