@@ -1,11 +1,13 @@
 //! Models: ours, read from files; and values from somewhere else.
 
 use crate::errors::Kind;
+use crate::world::plants;
 use cohelm::action::Action;
 use cohelm::plant::View;
+use cohelm::registry::Task;
 use cohelm::value::{ActionValues, ValueModel as CoreValues};
 use cohelm_copilot::encode::ValueEncoder;
-use cohelm_copilot::model::Network;
+use cohelm_copilot::model::{Network, ValueNetwork};
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Kind as ModelKind, Model, shipped as shipped_models};
 use cohelm_nn::lstm::LstmState;
@@ -170,8 +172,14 @@ impl ValueModel {
         let mut outputs = Vec::new();
         match &self.source {
             Source::Trained(model) => {
-                let Network::Values(network) = model.network() else {
-                    return Err(wrong_kind(model, ModelKind::Values));
+                let network = match model.network() {
+                    Network::Values(ValueNetwork::Commands(network)) => network,
+                    Network::Values(ValueNetwork::Axes(_)) => {
+                        let message = "values of actions on axes come from a critic, which has no outputs of its own; \
+                                       ask for the values of actions instead";
+                        return Err(Kind::Model.error(message));
+                    }
+                    Network::Intent(_) => return Err(wrong_kind(model, ModelKind::Values)),
                 };
                 expect_inputs(network.shape().input(), width)?;
                 let mut scratch = MlpScratch::new(network.shape());
@@ -277,6 +285,32 @@ pub fn shipped<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         }
     }
     Ok(all)
+}
+
+/// The models among them that are meant for a plant with these options, unless others are named: of values, and of intent
+/// (if a goal is to be imagined, one that was trained without seeing goals).
+#[pyfunction]
+#[pyo3(signature = (plant, options_json, *, imagined=false))]
+pub fn shipped_for(
+    plant: &str,
+    options_json: &str,
+    imagined: bool,
+) -> PyResult<(Option<ValueModel>, Option<IntentModel>)> {
+    let options = serde_json::from_str(options_json).map_err(|error| Kind::Option.error(error))?;
+    let task = Task { plant: plant.into(), options };
+    let plant = plants().make(&task).map_err(|error| Kind::Option.error(error))?;
+    let (models, _) = shipped_models::models();
+    let usual = |kind| models.newest_for(kind, &task, plant.space()).cloned();
+    let imagines = |model: &&Model| {
+        let card = model.card();
+        card.kind == ModelKind::Intent
+            && card.task.plant == task.plant
+            && card.space == *plant.space()
+            && card.goals == 0
+    };
+    let intent =
+        if imagined { models.iter().rev().find(imagines).cloned() } else { usual(ModelKind::Intent) };
+    Ok((usual(ModelKind::Values).map(ValueModel::of), intent.map(|model| IntentModel { model })))
 }
 
 /// Weights and bias of a layer.

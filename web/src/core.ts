@@ -42,10 +42,12 @@ export interface Rule {
     | 'misc'
     | 'tolerance'
     | 'misc-r'
+    | 'misc-h'
     | 'ida'
     | 'safe-nearest';
   alpha?: number;
   kappa?: number;
+  release?: number;
   start?: number;
   full?: number;
   most?: number;

@@ -43,6 +43,7 @@ export const RULE_NAMES: Record<Rule['rule'], string> = {
   misc: 'MISC',
   tolerance: 'tolerance',
   'misc-r': 'MISC-R',
+  'misc-h': 'MISC-H',
   ida: 'IDA',
   'safe-nearest': 'safe-nearest',
 };
@@ -58,6 +59,7 @@ export const RULES: Record<Rule['rule'], string> = {
   misc: 'Minimal intervention: allowed is Q′ ≥ c · Q′max; of these the most similar.',
   tolerance: 'Constant tolerance: allowed is Q′ ≥ (1 − α) · Q′max; of these the most similar.',
   'misc-r': 'MISC-R: allowed is what costs at most κ · median range; of these the most similar.',
+  'misc-h': 'MISC-H: allowed is what costs at most κ · median range on average over the goals, less after an intervention.',
   ida: 'Act only if better: the robot’s action if it is better for every goal.',
   'safe-nearest': 'Safe-nearest: the most similar action after which the robot can still save the plant.',
 };

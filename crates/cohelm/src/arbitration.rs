@@ -3,6 +3,7 @@
 mod act_if_better;
 mod blend;
 mod choose;
+mod hedged;
 mod hindsight;
 mod human_alone;
 mod line_graph;
@@ -17,6 +18,7 @@ mod threshold;
 mod tolerance;
 
 pub use act_if_better::ActIfBetter;
+pub use hedged::HedgedRegret;
 pub use hindsight::Hindsight;
 pub use human_alone::HumanAlone;
 pub use line_graph::LineGraph;

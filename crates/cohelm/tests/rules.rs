@@ -1,7 +1,7 @@
 //! What the rules promise, over random values, likenesses and confidences (Section III-C and its extremes).
 
 use cohelm::action::Action;
-use cohelm::arbitration::{Arbiter, GoalValues, Likeness, LookAhead, Pick, Rule, RuleError, Stage};
+use cohelm::arbitration::{Arbiter, GoalValues, Last, Likeness, LookAhead, Pick, Rule, RuleError, Stage};
 use cohelm::intent::Belief;
 use cohelm::value::ActionValues;
 use proptest::prelude::*;
@@ -215,6 +215,7 @@ fn parameters_out_of_range_are_refused_with_the_range() {
         ),
         (Rule::Threshold { confidence: f64::NAN }, "confidence of rule threshold"),
         (Rule::Hindsight { likeness: -1.0 }, "at least 0"),
+        (Rule::MiscH { kappa: 1.0, release: 2.0 }, "release of rule misc-h"),
         (Rule::SafeNearest { hold: 501, horizon: 3 }, "from 0 to 500, got 501"),
     ] {
         let error = error(rule, 1.0).to_string();
@@ -301,6 +302,27 @@ fn the_robot_acts_only_if_it_is_better_whatever_the_goal() {
     );
     let tied = [[1.0, 1.0, 0.0], [0.6, 0.6, 0.0]];
     assert_eq!(decide_for(Rule::Ida, &tied, &[0.5, 0.5], 1), Pick::Asked, "as good is not better");
+}
+
+#[test]
+fn hedged_regret_excuses_what_is_good_for_a_likely_goal_and_holds_on_after_an_intervention() {
+    let goals = [[1.0, 0.4, 0.0], [0.0, 0.4, 1.0]];
+    let pick = |kappa, p: [f32; 2]| decide_for(Rule::MiscH { kappa, release: 0.5 }, &goals, &p, 2);
+    assert_eq!(pick(0.6, [0.75, 0.25]), Pick::Candidate(2), "0.75 − 0.25 is less than 0.6");
+    assert_eq!(pick(0.4, [0.75, 0.25]), Pick::Candidate(0), "and more than 0.4");
+    assert_eq!(pick(0.4, [0.5, 0.5]), Pick::Candidate(2), "as good as any on average");
+
+    let case = three(0.5);
+    let values = ActionValues::new((0..3).map(Action::Command).collect(), vec![0.4, 0.0, 1.0]).unwrap();
+    let belief = believed(0.5);
+    let mut stage = Stage::new(&values, Some(&case.likeness), &belief);
+    let rule = Rule::MiscH { kappa: 1.0, release: 0.5 }.arbiter(1.0).unwrap();
+    assert_eq!(rule.decide(&stage, &mut [false; 3]), Pick::Candidate(0), "0.6 is less than 1");
+    let last = Last { asked: None, executed: None, intervened: true };
+    stage.last = Some(last);
+    assert_eq!(rule.decide(&stage, &mut [false; 3]), Pick::Candidate(2), "and more than the half of it");
+    stage.last = Some(Last { intervened: false, ..last });
+    assert_eq!(rule.decide(&stage, &mut [false; 3]), Pick::Candidate(0));
 }
 
 /// Knows which candidates are safe, and how often it was asked.

@@ -25,6 +25,8 @@ class Rule:
       median ranges
     - ``"misc"`` (minimal intervention, Eqs. 3-4 of the paper), ``"tolerance"`` (constant tolerance ``alpha``)
     - ``"misc-r"``: regret of at most ``kappa * median_range``
+    - ``"misc-h"``: the same over all goals by how likely they are, and ``release`` of ``kappa`` after an intervention (in
+      ``decide`` every row is taken for one without an intervention before it)
     - ``"ida"``: the robot's action if it is better for every goal
     - ``"safe-nearest"``: the nearest action that flights ahead find safe (``hold``, ``horizon`` in ticks); only in a
       ``World``, as it needs a copy of the plant
@@ -82,7 +84,7 @@ class Rule:
             f(a, asked) of Eq. 4: shape (actions, actions). Without it an action is like itself alone, and ties go to
             the higher value.
         goal_values, probabilities
-            For the rules that weigh all goals (hindsight, ida): Q_g(s, a) for every goal, shape (goals, actions) or
+            For the rules that weigh all goals (hindsight, misc-h, ida): Q_g(s, a) for every goal, shape (goals, actions) or
             (rows, goals, actions), and how likely each goal is, shape (goals,) or (rows, goals).
 
         Returns

@@ -14,8 +14,9 @@ const RULES: Rule[] = [
   { rule: 'line-graph', start: 0.2, full: 0.8, most: 1 },
   { rule: 'threshold', confidence: 0.6 },
   { rule: 'hindsight', likeness: 0 },
+  { rule: 'misc-h', kappa: 1.25, release: 0.5 },
   { rule: 'ida' },
-  { rule: 'safe-nearest', hold: 5, horizon: 30 },
+  { rule: 'safe-nearest', hold: 10, horizon: 80 },
   { rule: 'robot' },
 ];
 const INFERENCES: [Inference, string][] = [

@@ -25,7 +25,7 @@ pub struct Making {
 }
 
 /// Rules whose losses are said, by word.
-const JUDGED: [&str; 2] = ["misc", "misc-r"];
+const JUDGED: [&str; 3] = ["misc", "misc-r", "misc-h"];
 
 /// The whole report.
 pub fn document(

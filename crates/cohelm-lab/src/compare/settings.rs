@@ -51,9 +51,13 @@ pub fn contenders() -> Vec<Vec<Setting>> {
                 let kappas = [0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0, 1.25, 1.5];
                 of(kappas.map(|kappa| Rule::MiscR { kappa }).into())
             }
-            Rule::SafeNearest { .. } => [5, 10, 20]
+            Rule::MiscH { .. } => [1.0, 1.25, 1.5]
                 .into_iter()
-                .flat_map(|hold| [20, 30, 45].map(|horizon| calibrated(Rule::SafeNearest { hold, horizon })))
+                .flat_map(|kappa| [0.25, 0.5, 1.0].map(|release| calibrated(Rule::MiscH { kappa, release })))
+                .collect(),
+            Rule::SafeNearest { .. } => [5, 20]
+                .into_iter()
+                .flat_map(|hold| [40, 80].map(|horizon| calibrated(Rule::SafeNearest { hold, horizon })))
                 .collect(),
         }
     };

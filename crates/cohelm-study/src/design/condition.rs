@@ -134,6 +134,8 @@ enum RuleName {
     Tolerance,
     /// Minimal intervention with a regret threshold; takes `kappa`.
     MiscR,
+    /// Minimal intervention by regret, averaged over the goals and with hysteresis; takes `kappa` and `release`.
+    MiscH,
     /// The robot's action, if it is better than the person's for every goal.
     Ida,
     /// The nearest action that flights ahead find safe; takes `hold` and `horizon`. Needs a plant that can be copied.
@@ -153,6 +155,7 @@ impl RuleName {
             Self::Misc => "misc",
             Self::Tolerance => "tolerance",
             Self::MiscR => "misc-r",
+            Self::MiscH => "misc-h",
             Self::Ida => "ida",
             Self::SafeNearest => "safe-nearest",
         };
@@ -206,8 +209,11 @@ struct ConditionTable {
     rule: RuleName,
     /// tolerance: 0 allows only a best action, 1 every action. Usual: 0.5 to 0.8.
     alpha: Option<f64>,
-    /// misc-r: regret allowed, in median ranges of the values; larger lets more through. Usual: 0.5 to 1.5. Default: 0.7.
+    /// misc-r, misc-h: regret allowed, in median ranges of the values; larger lets more through. Usual: 0.5 to 1.5. Default:
+    /// 0.7 for misc-r, 1.25 for misc-h.
     kappa: Option<f64>,
+    /// misc-h: share of kappa that is allowed at the tick after an intervention, 0 to 1; less holds on longer. Default: 0.5.
+    release: Option<f64>,
     /// line-graph: confidence up to which the person alone flies, 0 to 1. Default: 0.2.
     start: Option<f64>,
     /// line-graph: confidence from which the robot has its largest weight, `start` to 1. Default: 0.8.
@@ -218,9 +224,9 @@ struct ConditionTable {
     confidence: Option<f64>,
     /// hindsight: what likeness to what is asked is worth, in median ranges of the values; 0 is plain QMDP. Default: 0.
     likeness: Option<f64>,
-    /// safe-nearest: ticks for which an action is thought to be held, 0 to 500; more steps in earlier. Default: 5.
+    /// safe-nearest: ticks for which an action is thought to be held, 0 to 500; more steps in earlier. Default: 10.
     hold: Option<f64>,
-    /// safe-nearest: ticks flown ahead, 0 to 500. Default: 30.
+    /// safe-nearest: ticks flown ahead, 0 to 500. Default: 80.
     horizon: Option<f64>,
     /// Where the belief about the goal comes from. Default: calibrated.
     #[serde(default)]
@@ -286,6 +292,7 @@ impl ConditionTable {
         let parameters = [
             ("alpha", self.alpha),
             ("kappa", self.kappa),
+            ("release", self.release),
             ("start", self.start),
             ("full", self.full),
             ("most", self.most),

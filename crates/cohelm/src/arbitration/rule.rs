@@ -1,8 +1,8 @@
 //! A rule by its name, with its parameters.
 
 use super::{
-    ActIfBetter, Arbiter, ConstantTolerance, Hindsight, HumanAlone, LineGraph, Linear, MinimalIntervention,
-    RegretThreshold, RobotAlone, SafeNearest, Threshold,
+    ActIfBetter, Arbiter, ConstantTolerance, HedgedRegret, Hindsight, HumanAlone, LineGraph, Linear,
+    MinimalIntervention, RegretThreshold, RobotAlone, SafeNearest, Threshold,
 };
 use core::fmt;
 use serde::{Deserialize, Serialize};
@@ -47,6 +47,13 @@ pub enum Rule {
     MiscR {
         /// Regret allowed, in median ranges of the values.
         kappa: f64,
+    },
+    /// MISC-R, hedged over the goals and with hysteresis: [`HedgedRegret`].
+    MiscH {
+        /// Regret allowed, in median ranges of the values.
+        kappa: f64,
+        /// Share of it allowed at the tick after an intervention.
+        release: f64,
     },
     /// Act only if better for every goal: [`ActIfBetter`].
     Ida,
@@ -118,7 +125,7 @@ pub enum RuleError {
 
 impl Rule {
     /// Every rule with its usual parameters, in the order of tables.
-    pub const USUAL: [Self; 11] = [
+    pub const USUAL: [Self; 12] = [
         Self::Hic,
         Self::Robot,
         Self::Lasc,
@@ -128,8 +135,9 @@ impl Rule {
         Self::Misc,
         Self::Tolerance { alpha: 0.4 },
         Self::MiscR { kappa: DEFAULT_KAPPA },
+        Self::MiscH { kappa: 1.25, release: 0.5 },
         Self::Ida,
-        Self::SafeNearest { hold: 5, horizon: 30 },
+        Self::SafeNearest { hold: 10, horizon: 80 },
     ];
 
     /// The rule of that word with its usual parameters.
@@ -157,6 +165,9 @@ impl Rule {
             Self::Misc => Box::new(MinimalIntervention),
             Self::Tolerance { alpha } => Box::new(ConstantTolerance { alpha }),
             Self::MiscR { kappa } => Box::new(RegretThreshold { epsilon: kappa * median_range }),
+            Self::MiscH { kappa, release } => {
+                Box::new(HedgedRegret { epsilon: kappa * median_range, release })
+            }
             Self::Ida => Box::new(ActIfBetter),
             Self::SafeNearest { hold, horizon } => Box::new(SafeNearest { hold, horizon }),
         })
@@ -174,6 +185,7 @@ impl Rule {
             Self::Misc => "misc",
             Self::Tolerance { .. } => "tolerance",
             Self::MiscR { .. } => "misc-r",
+            Self::MiscH { .. } => "misc-h",
             Self::Ida => "ida",
             Self::SafeNearest { .. } => "safe-nearest",
         }
@@ -188,6 +200,7 @@ impl Rule {
             Self::Hindsight { likeness } => vec![("likeness", likeness)],
             Self::Tolerance { alpha } => vec![("alpha", alpha)],
             Self::MiscR { kappa } => vec![("kappa", kappa)],
+            Self::MiscH { kappa, release } => vec![("kappa", kappa), ("release", release)],
             Self::SafeNearest { hold, horizon } => {
                 vec![("hold", hold.into()), ("horizon", horizon.into())]
             }
@@ -203,7 +216,8 @@ impl Rule {
             (Self::Threshold { confidence }, "confidence") => *confidence = value,
             (Self::Hindsight { likeness }, "likeness") => *likeness = value,
             (Self::Tolerance { alpha }, "alpha") => *alpha = value,
-            (Self::MiscR { kappa }, "kappa") => *kappa = value,
+            (Self::MiscR { kappa } | Self::MiscH { kappa, .. }, "kappa") => *kappa = value,
+            (Self::MiscH { release, .. }, "release") => *release = value,
             (Self::SafeNearest { hold, .. }, "hold") => *hold = ticks("safe-nearest", "hold", value)?,
             (Self::SafeNearest { horizon, .. }, "horizon") => {
                 *horizon = ticks("safe-nearest", "horizon", value)?;
@@ -227,7 +241,13 @@ impl Rule {
         };
         match *self {
             Self::Tolerance { alpha } if !(0.0..=1.0).contains(&alpha) => Err(RuleError::Alpha(alpha)),
-            Self::MiscR { kappa } if !(kappa.is_finite() && kappa >= 0.0) => Err(RuleError::Kappa(kappa)),
+            Self::MiscR { kappa } | Self::MiscH { kappa, .. } if !(kappa.is_finite() && kappa >= 0.0) => {
+                Err(RuleError::Kappa(kappa))
+            }
+            Self::MiscH { release, .. } => {
+                share("release", release)?;
+                positive(rule, median_range)
+            }
             Self::LineGraph { start, full, most } => {
                 share("start", start)?;
                 share("full", full)?;
@@ -283,6 +303,9 @@ impl fmt::Display for Rule {
             Self::Misc => write!(f, "minimal intervention"),
             Self::Tolerance { alpha } => write!(f, "constant tolerance, α = {alpha}"),
             Self::MiscR { kappa } => write!(f, "minimal intervention by regret, κ = {kappa}"),
+            Self::MiscH { kappa, release } => {
+                write!(f, "minimal intervention by hedged regret, κ = {kappa}, released at {release} of it")
+            }
             Self::Ida => write!(f, "act only if better for every goal"),
             Self::SafeNearest { hold, horizon } => {
                 write!(f, "safe-nearest, held {hold} of {horizon} ticks ahead")
