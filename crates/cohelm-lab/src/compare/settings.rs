@@ -55,10 +55,8 @@ pub fn contenders() -> Vec<Vec<Setting>> {
                 .into_iter()
                 .flat_map(|kappa| [0.25, 0.5, 1.0].map(|release| calibrated(Rule::MiscH { kappa, release })))
                 .collect(),
-            Rule::SafeNearest { .. } => [5, 20]
-                .into_iter()
-                .flat_map(|hold| [40, 80].map(|horizon| calibrated(Rule::SafeNearest { hold, horizon })))
-                .collect(),
+            // Two only: a flight costs thirty times that of any other rule.
+            Rule::SafeNearest { .. } => of([5, 20].map(|hold| Rule::SafeNearest { hold, horizon: 40 }).into()),
         }
     };
     Rule::USUAL.into_iter().map(settings).collect()
