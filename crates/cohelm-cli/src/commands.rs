@@ -5,6 +5,7 @@ pub mod compare;
 pub mod episodes;
 pub mod evaluate;
 pub mod fly;
+pub mod intents;
 mod kills;
 pub mod reproduce;
 pub mod study;
