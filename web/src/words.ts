@@ -53,13 +53,15 @@ export const RULES: Record<Rule['rule'], string> = {
   hic: 'Human alone: what is asked is carried out.',
   robot: 'Robot alone: the best action, whatever is asked.',
   lasc: 'Linear: the robot’s action if c > 0.5, otherwise the person’s.',
-  'line-graph': 'Line graph: the robot weighs nothing below one confidence, its most above another, between them linearly.',
+  'line-graph':
+    'Line graph: the robot weighs nothing below one confidence, its most above another, between them linearly.',
   threshold: 'Threshold: the robot takes over above a confidence.',
   hindsight: 'Hindsight optimisation: the best action on average over the goals.',
   misc: 'Minimal intervention: allowed is Q′ ≥ c · Q′max; of these the most similar.',
   tolerance: 'Constant tolerance: allowed is Q′ ≥ (1 − α) · Q′max; of these the most similar.',
   'misc-r': 'MISC-R: allowed is what costs at most κ · median range; of these the most similar.',
-  'misc-h': 'MISC-H: allowed is what costs at most κ · median range on average over the goals, less after an intervention.',
+  'misc-h':
+    'MISC-H: allowed is what costs at most κ · median range on average over the goals, less after an intervention.',
   ida: 'Act only if better: the robot’s action if it is better for every goal.',
   'safe-nearest': 'Safe-nearest: the most similar action after which the robot can still save the plant.',
 };
