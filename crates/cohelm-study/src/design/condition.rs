@@ -209,10 +209,9 @@ struct ConditionTable {
     rule: RuleName,
     /// tolerance: 0 allows only a best action, 1 every action. Usual: 0.5 to 0.8.
     alpha: Option<f64>,
-    /// misc-r, misc-h: regret allowed, in median ranges of the values; larger lets more through. Usual: 0.5 to 1.5. Default:
-    /// 0.7 for misc-r, 1.25 for misc-h.
+    /// misc-r, misc-h: regret allowed, in median ranges of the values. Usual: 0.5 to 1.5. Default: 0.7, 1.25 for misc-h.
     kappa: Option<f64>,
-    /// misc-h: share of kappa that is allowed at the tick after an intervention, 0 to 1; less holds on longer. Default: 0.5.
+    /// misc-h: share of `kappa` allowed at the tick after an intervention, 0 to 1; less holds on longer. Default: 0.5.
     release: Option<f64>,
     /// line-graph: confidence up to which the person alone flies, 0 to 1. Default: 0.2.
     start: Option<f64>,
