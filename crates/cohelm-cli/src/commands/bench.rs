@@ -1,5 +1,6 @@
 //! `cohelm bench`: speed on this machine, with what it is compared with beside it.
 
+mod axes;
 mod serve;
 
 use crate::numbers::whole;
@@ -138,7 +139,8 @@ impl Nets {
         if self.runs == 0 {
             bail!("at least one run is needed");
         }
-        let measured = measure(self.runs);
+        let mut measured = measure(self.runs);
+        measured.timings.push(axes::decision(self.runs)?);
         let timing = |timing: &cohelm_nn::bench::Timing| {
             json!({
                 "name": timing.name, "median_us": timing.median_us, "best_us": timing.best_us,
