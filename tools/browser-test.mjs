@@ -327,6 +327,48 @@ try {
     },
   );
 
+  await step(
+    "a plant with axes is steered by a drag on the picture",
+    async () => {
+      await page.keyboard.press("Escape");
+      await page.click("[data-tab=fly]");
+      await choose("hic");
+      await page.click("footer .choices > button");
+      await page.selectOption("select[data-name=plant]", "point");
+      await card("ready").waitFor();
+      await page.locator(".card .drag").waitFor();
+      await page.keyboard.press("Enter");
+      const stick = page.locator(".stage .stick");
+      assert.equal(await stick.isVisible(), false);
+      await page.mouse.move(500, 400);
+      await page.mouse.down();
+      await page.mouse.move(560, 330, { steps: 4 });
+      await page.waitForTimeout(200);
+      await shot("9-drag");
+      assert.equal(
+        await page.locator(".stage .stick:not([hidden])").count(),
+        1,
+      );
+      await page.mouse.up();
+      assert.equal(
+        await page.locator(".stage .stick:not([hidden])").count(),
+        0,
+      );
+      await page.waitForTimeout(100);
+      await page.keyboard.press("Escape");
+      await page.click(".card .secondary");
+      await card("abandoned").waitFor();
+      const [dragged] = await finished(before + 4);
+      const log = readEvents(await server.record(dragged.id));
+      assert.ok(log.every((event) => event.kind === "stick"));
+      assert.ok(log.some(({ stick: [x, y] }) => x > 15_000 && y > 15_000));
+      assert.deepEqual(log.at(-1).stick, [0, 0, 0, 0]);
+      await page.click("footer .choices > button");
+      await page.selectOption("select[data-name=plant]", "flag-lander");
+      await card("ready").waitFor();
+    },
+  );
+
   if (server.isOurs) {
     await step(
       "what is flown while the server is away is delivered when it is back",
@@ -339,9 +381,9 @@ try {
         await page.keyboard.press("Enter");
         await page.keyboard.press("ArrowLeft", { delay: 150 });
         await anyEnding.waitFor();
-        await shot("9-away");
+        await shot("10-away");
         await server.startAgain();
-        const [newest] = await finished(before + 4);
+        const [newest] = await finished(before + 5);
         assert.equal(newest.rule, "hic");
       },
     );

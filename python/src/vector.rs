@@ -1,9 +1,11 @@
-//! Many of Gymnasium's landers at once: one call steps all of them, on all cores, into arrays that exist already.
+//! Many of Gymnasium's landers at once: one call steps all of them, on all cores and in vector registers, into arrays that exist
+//! already.
 
 use crate::errors::Kind;
 use crate::lander::{continuous, discrete, options};
 use cohelm::plant::Ending;
-use cohelm_lander::gymnasium::{Action, GymnasiumLander, Observation};
+use cohelm_lander::gymnasium::{Action, GymnasiumLander, Observation, Order, Outcome};
+use cohelm_lander::together::{WORLDS, tick};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -12,6 +14,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Numbers of an observation.
 const WIDTH: usize = 8;
+/// Most worlds that one thread steps before it looks for more: with more, the last thread to finish works longer alone.
+const LARGEST_ROW: usize = 2 * WORLDS;
 /// Most worlds of one vector.
 const MOST_WORLDS: usize = 1 << 20;
 
@@ -26,39 +30,47 @@ enum Autoreset {
     Disabled,
 }
 
-/// One world of a vector, and what its last step brought.
-struct Seat {
-    world: GymnasiumLander,
-    over: bool,
-    observation: Observation,
-    last: Observation,
-    reward: f64,
-    terminated: bool,
-    truncated: bool,
+/// Worlds that one thread steps together, and what their last tick brought.
+struct Row {
+    worlds: Vec<GymnasiumLander>,
+    outcomes: Vec<Outcome>,
+    /// The last observations of episodes that ended in the last tick; only with [`Autoreset::SameStep`].
+    last: Vec<Observation>,
 }
 
-impl Seat {
-    fn reset(&mut self, seed: Option<u64>) {
-        self.observation = match seed {
-            Some(seed) => self.world.reset(seed),
-            None => self.world.restart(),
-        };
-        (self.reward, self.terminated, self.truncated, self.over) = (0.0, false, false, false);
+impl Row {
+    fn new(worlds: Vec<GymnasiumLander>) -> Self {
+        let nothing = Outcome { observation: [0.0; WIDTH], reward: 0.0, ending: None };
+        Self { outcomes: vec![nothing; worlds.len()], last: vec![nothing.observation; worlds.len()], worlds }
     }
 
-    fn step(&mut self, action: Action, autoreset: Autoreset) {
-        if self.over && autoreset == Autoreset::NextStep {
-            return self.reset(None);
+    fn step(&mut self, actions: &[Action], autoreset: Autoreset) {
+        let resets = autoreset == Autoreset::NextStep;
+        let order = |(before, action): (&Outcome, &Action)| {
+            Some(if resets && before.ending.is_some() { Order::Restart } else { Order::Step(*action) })
+        };
+        let orders: Vec<_> = self.outcomes.iter().zip(actions).map(order).collect();
+        self.obey(&orders);
+        if autoreset == Autoreset::SameStep {
+            self.begin_anew();
         }
-        let outcome = self.world.step(action);
-        self.observation = outcome.observation;
-        self.reward = outcome.reward;
-        self.terminated = outcome.ending.is_some_and(Ending::is_terminal);
-        self.truncated = outcome.ending.is_some_and(|ending| !ending.is_terminal());
-        self.over = outcome.ending.is_some();
-        if self.over && autoreset == Autoreset::SameStep {
-            self.last = self.observation;
-            self.observation = self.world.restart();
+    }
+
+    /// One tick of the worlds that have an order.
+    fn obey(&mut self, orders: &[Option<Order>]) {
+        for (outcome, new) in self.outcomes.iter_mut().zip(tick(&mut self.worlds, orders)) {
+            *outcome = new.unwrap_or(*outcome);
+        }
+    }
+
+    /// Begins the next episodes where one has ended.
+    fn begin_anew(&mut self) {
+        let orders: Vec<_> =
+            self.outcomes.iter().map(|outcome| outcome.ending.map(|_| Order::Restart)).collect();
+        let first = tick(&mut self.worlds, &orders);
+        for ((outcome, last), first) in self.outcomes.iter_mut().zip(&mut self.last).zip(first) {
+            *last = outcome.observation;
+            outcome.observation = first.map_or(outcome.observation, |first| first.observation);
         }
     }
 }
@@ -66,7 +78,8 @@ impl Seat {
 /// Landers side by side. The arrays it returns are its own and are written anew by the next call.
 #[pyclass(module = "cohelm")]
 pub struct LanderVector {
-    seats: Vec<Seat>,
+    rows: Vec<Row>,
+    worlds: usize,
     pool: Option<ThreadPool>,
     autoreset: Autoreset,
     is_continuous: bool,
@@ -113,19 +126,14 @@ impl LanderVector {
         }
         let options = options(gravity, (enable_wind, wind_power, turbulence_power))?;
         let world = GymnasiumLander::new(options).map_err(|error| Kind::Option.error(error))?;
-        let nothing: Observation = [0.0; WIDTH];
-        let seat = || Seat {
-            world: world.clone(),
-            over: false,
-            observation: nothing,
-            last: nothing,
-            reward: 0.0,
-            terminated: false,
-            truncated: false,
-        };
+        let threads = threads_for(threads, worlds);
+        let size = worlds.div_ceil(threads).min(LARGEST_ROW);
+        let rows =
+            (0..worlds).step_by(size).map(|first| Row::new(vec![world.clone(); size.min(worlds - first)]));
         Ok(Self {
-            seats: std::iter::repeat_with(seat).take(worlds).collect(),
-            pool: pool(threads, worlds)?,
+            rows: rows.collect(),
+            worlds,
+            pool: pool(threads)?,
             autoreset: autoreset_of(autoreset)?,
             is_continuous: continuous,
             begun: false,
@@ -137,7 +145,7 @@ impl LanderVector {
     /// How many worlds.
     #[getter]
     fn worlds(&self) -> usize {
-        self.seats.len()
+        self.worlds
     }
 
     /// Begins the episodes of these seeds, or the next ones where a seed is None; where `mask` is given only those.
@@ -148,7 +156,7 @@ impl LanderVector {
         seeds: Option<Vec<Option<u64>>>,
         mask: Option<PyReadonlyArray1<'_, bool>>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let worlds = self.seats.len();
+        let worlds = self.worlds;
         let seeds = seeds.unwrap_or_else(|| vec![None; worlds]);
         expect_length("seeds", seeds.len(), worlds)?;
         if !self.begun && seeds.contains(&None) {
@@ -158,10 +166,16 @@ impl LanderVector {
         if let Some(mask) = &mask {
             expect_length("mask", mask.len(), worlds)?;
         }
-        for (index, (seat, seed)) in self.seats.iter_mut().zip(seeds).enumerate() {
-            if mask.as_ref().is_none_or(|mask| mask[index]) {
-                seat.reset(seed);
-            }
+        let order = |(index, seed): (usize, Option<u64>)| {
+            let chosen = mask.as_ref().is_none_or(|mask| mask[index]);
+            chosen.then(|| seed.map_or(Order::Restart, Order::Reset))
+        };
+        let orders: Vec<_> = seeds.into_iter().enumerate().map(order).collect();
+        let mut left = orders.as_slice();
+        for row in &mut self.rows {
+            let (orders, rest) = left.split_at(row.worlds.len());
+            row.obey(orders);
+            left = rest;
         }
         self.begun = true;
         self.write(py)?;
@@ -175,8 +189,8 @@ impl LanderVector {
             return Err(Kind::Closed.error("no episode has begun: call reset first"));
         }
         self.read_actions(actions)?;
-        let Self { seats, actions, pool, autoreset, .. } = self;
-        py.detach(|| step_all(seats, actions, pool.as_ref(), *autoreset));
+        let Self { rows, actions, pool, autoreset, .. } = self;
+        py.detach(|| step_all(rows, actions, pool.as_ref(), *autoreset));
         self.write(py)?;
         let Arrays { observations, last, rewards, terminated, truncated } = &self.arrays;
         Ok((
@@ -191,7 +205,7 @@ impl LanderVector {
 
 impl LanderVector {
     fn read_actions(&mut self, actions: &Bound<'_, PyAny>) -> PyResult<()> {
-        let worlds = self.seats.len();
+        let worlds = self.worlds;
         if self.is_continuous {
             let throttles: PyReadonlyArray2<'_, f32> = actions.extract().map_err(|_| {
                 Kind::Action.error(format!("expected throttles as a float32 array of shape ({worlds}, 2)"))
@@ -230,16 +244,17 @@ impl LanderVector {
         let rewards = rewards.as_slice_mut().map_err(odd)?;
         let terminated = terminated.as_slice_mut().map_err(odd)?;
         let truncated = truncated.as_slice_mut().map_err(odd)?;
-        for (index, ((seat, row), last)) in self.seats.iter().zip(rows).zip(last_rows).enumerate() {
-            row.copy_from_slice(&seat.observation);
+        let all = self.rows.iter().flat_map(|row| row.outcomes.iter().zip(&row.last));
+        for (index, (((outcome, ended_with), row), last)) in all.zip(rows).zip(last_rows).enumerate() {
+            row.copy_from_slice(&outcome.observation);
             last.copy_from_slice(if self.autoreset == Autoreset::SameStep {
-                &seat.last
+                ended_with
             } else {
-                &seat.observation
+                &outcome.observation
             });
-            rewards[index] = seat.reward;
-            terminated[index] = seat.terminated;
-            truncated[index] = seat.truncated;
+            rewards[index] = outcome.reward;
+            terminated[index] = outcome.ending.is_some_and(Ending::is_terminal);
+            truncated[index] = outcome.ending.is_some_and(|ending| !ending.is_terminal());
         }
         Ok(())
     }
@@ -259,35 +274,39 @@ impl Arrays {
     }
 }
 
-fn step_all(seats: &mut [Seat], actions: &[Action], pool: Option<&ThreadPool>, autoreset: Autoreset) {
-    let Some(pool) = pool else {
-        seats.iter_mut().zip(actions).for_each(|(seat, action)| seat.step(*action, autoreset));
-        return;
-    };
-    // Pieces smaller than a core's share let a core whose worlds are in the air, and quick, help the others. The thread
-    // that asks works too, so that one thread less has to be woken.
-    let piece = seats.len().div_ceil(8 * (pool.current_num_threads() + 1)).max(1);
-    let pieces: Vec<_> =
-        seats.chunks_mut(piece).zip(actions.chunks(piece)).map(|one| Mutex::new(Some(one))).collect();
+fn step_all(rows: &mut [Row], actions: &[Action], pool: Option<&ThreadPool>, autoreset: Autoreset) {
+    let mut left = actions;
+    let mut shares = Vec::with_capacity(rows.len());
+    for row in rows {
+        let (actions, rest) = left.split_at(row.worlds.len());
+        shares.push(Mutex::new(Some((row, actions))));
+        left = rest;
+    }
     let next = AtomicUsize::new(0);
     let work = || {
-        while let Some(piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let taken = piece.lock().unwrap_or_else(PoisonError::into_inner).take();
-            if let Some((seats, actions)) = taken {
-                seats.iter_mut().zip(actions).for_each(|(seat, action)| seat.step(*action, autoreset));
+        while let Some(share) = shares.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let taken = share.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some((row, actions)) = taken {
+                row.step(actions, autoreset);
             }
         }
     };
+    let Some(pool) = pool else { return work() };
+    // The thread that asks works too, so that one thread less has to be woken.
     pool.in_place_scope(|scope| {
         (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| work()));
         work();
     });
 }
 
-/// Threads beside the one that asks; none where it does all.
-fn pool(threads: usize, worlds: usize) -> PyResult<Option<ThreadPool>> {
+/// As many as asked for, or one a core, or one a world where there are fewer.
+fn threads_for(asked: usize, worlds: usize) -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = if threads == 0 { cores } else { threads }.min(worlds);
+    if asked == 0 { cores } else { asked }.min(worlds)
+}
+
+/// Threads beside the one that asks; none where it does all.
+fn pool(threads: usize) -> PyResult<Option<ThreadPool>> {
     if threads < 2 {
         return Ok(None);
     }

@@ -9,18 +9,22 @@ use crate::training::person;
 use cohelm::action::{Action, ActionSpace};
 use cohelm::cockpit::{Cockpit, Silence, Tick};
 use cohelm::human::{Person, Population};
-use cohelm::intent::{Inference, IntentModel as CoreIntent, KnownGoal, NearestGoal};
+use cohelm::intent::{
+    Evidence, Head, Inference, IntentModel as CoreIntent, NearestGoal, Product, Told, ValueIntent,
+};
 use cohelm::pilot::Pilot;
 use cohelm::plant::{Plant, View};
 use cohelm::registry::{Plants, Task};
 use cohelm::value::{NoOpinion, ValueModel as CoreValues};
-use cohelm_copilot::intent::NetworkIntent;
-use cohelm_copilot::model::Network;
+use cohelm_copilot::Card;
+use cohelm_copilot::intent::{ImaginedIntent, NetworkIntent};
+use cohelm_copilot::model::{IntentNetworks, Network};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::sync::Arc;
 use sync_wrapper::SyncWrapper;
 
 /// The plants there are.
@@ -298,49 +302,83 @@ impl Help {
     }
 
     fn cockpit(&self, plant: &dyn Plant) -> PyResult<Cockpit> {
-        let (values, median_range) = match &self.values {
-            Some(values) => values.get().values(plant.view().state.len(), plant.space().commands())?,
+        let (values, median_range) = match self.estimator(plant)? {
+            Some(estimator) => estimator,
             None => (Box::new(NoOpinion::new(plant.space())) as Box<dyn CoreValues>, f64::NAN),
         };
-        if let Some(model) = self.values.as_ref().and_then(|values| values.get().trained()) {
-            fits(model, plant)?;
-        }
         let arbiter =
             self.rule.get().rule().arbiter(median_range).map_err(|error| Kind::Option.error(error))?;
-        Ok(Cockpit::new(self.intent(plant)?, values, arbiter).with_silence(self.silence))
+        let cockpit = Cockpit::new(self.intent(plant)?, values, arbiter).with_silence(self.silence);
+        Ok(if self.inference.hides_goals() { cockpit.with_goals_hidden() } else { cockpit })
+    }
+
+    /// The values and their median range, if there are any.
+    fn estimator(&self, plant: &dyn Plant) -> PyResult<Option<(Box<dyn CoreValues>, f64)>> {
+        let Some(values) = &self.values else { return Ok(None) };
+        if let Some(model) = values.get().trained() {
+            fits(model, plant)?;
+        }
+        values.get().values(plant.view().state.len(), plant.space().commands()).map(Some)
     }
 
     fn intent(&self, plant: &dyn Plant) -> PyResult<Box<dyn CoreIntent>> {
-        let Some(head) = self.inference.head() else {
-            return Ok(if self.inference == Inference::Known {
-                Box::new(KnownGoal(plant.pilot_goal()))
-            } else {
-                Box::new(NearestGoal)
-            });
-        };
-        let none =
-            || Kind::Option.error(format!("inference {:?} needs an intent model: intent=…", head.word()));
+        Ok(match self.inference {
+            Inference::Nearest => Box::new(NearestGoal),
+            Inference::Known => Box::new(Told::new(plant.wishes())),
+            Inference::InverseDistance | Inference::Softmax | Inference::Calibrated => {
+                Box::new(self.network(plant)?)
+            }
+            Inference::Bayesian => Box::new(self.by_values(plant)?),
+            Inference::CalibratedBayesian => {
+                Box::new(Product::new(Box::new(self.network(plant)?), Box::new(self.by_values(plant)?)))
+            }
+            Inference::Imagined => {
+                let (card, networks) = self.networks(plant)?;
+                let imagined = ImaginedIntent::new(card, networks.clone());
+                Box::new(imagined.ok_or_else(|| Kind::Model.error("the card tells no spread of the goals"))?)
+            }
+        })
+    }
+
+    fn network(&self, plant: &dyn Plant) -> PyResult<NetworkIntent> {
+        let (card, networks) = self.networks(plant)?;
+        let head = self.inference.head().unwrap_or(Head::Calibrated);
+        let intent = NetworkIntent::new(card, networks.clone(), head);
+        intent.ok_or_else(|| Kind::Model.error("the model's action space has no commands"))
+    }
+
+    fn networks(&self, plant: &dyn Plant) -> PyResult<(&Card, &Arc<IntentNetworks>)> {
+        let word = self.inference.word();
+        let none = || Kind::Option.error(format!("inference {word:?} needs an intent model: intent=…"));
         let model = &self.intent.as_ref().ok_or_else(none)?.get().model;
         fits(model, plant)?;
-        let Network::Intent(networks) = model.network() else {
-            return Err(Kind::Model.error("the intent model holds no intent network"));
-        };
-        let intent = NetworkIntent::new(model.card(), networks.clone(), head);
-        intent
-            .map(|intent| Box::new(intent) as _)
-            .ok_or_else(|| Kind::Model.error("the model's action space has no commands"))
+        if !model.card().serves(self.inference) {
+            let name = &model.card().name;
+            return Err(Kind::Model.error(format!(
+                "the model {name:?} does not serve the inference {word:?}: a goal is imagined by networks that were trained \
+                 without seeing goals, and by these alone"
+            )));
+        }
+        match model.network() {
+            Network::Intent(networks) => Ok((model.card(), networks)),
+            Network::Values(_) => Err(Kind::Model.error("the intent model holds no intent network")),
+        }
+    }
+
+    fn by_values(&self, plant: &dyn Plant) -> PyResult<ValueIntent> {
+        let none = || Kind::Option.error("inference by the values needs values: values=…");
+        let (values, median_range) = self.estimator(plant)?.ok_or_else(none)?;
+        let intent = ValueIntent::new(values, plant.space(), median_range, Evidence::default());
+        intent.map_err(|error| Kind::Option.error(error))
     }
 }
 
 fn fits(model: &cohelm_copilot::Model, plant: &dyn Plant) -> PyResult<()> {
     let card = model.card();
-    if card.space == *plant.space()
-        && card.state == plant.view().state.len()
-        && card.goals == plant.view().goals.len()
-    {
+    if card.space == *plant.space() && card.state == plant.view().state.len() {
         return Ok(());
     }
-    Err(Kind::Model.error(format!("the model {:?} does not fit this plant: its actions, state or goals differ; use the model trained with these options", card.name)))
+    Err(Kind::Model.error(format!("the model {:?} does not fit this plant: its actions or state differ; use the model trained with these options", card.name)))
 }
 
 fn describe(

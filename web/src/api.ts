@@ -15,6 +15,8 @@ export interface ModelEntry {
     variant: string | null;
     task: Setup['task'];
     plant_version: number;
+    /** Goals that its networks see. */
+    goals: number;
     [more: string]: unknown;
   };
 }

@@ -37,7 +37,20 @@ export interface Rule {
   kappa?: number;
 }
 
-export type Inference = 'nearest' | 'known' | 'inverse-distance' | 'softmax' | 'calibrated';
+export type Inference =
+  | 'nearest'
+  | 'known'
+  | 'inverse-distance'
+  | 'softmax'
+  | 'calibrated'
+  | 'bayesian'
+  | 'calibrated-bayesian'
+  | 'imagined';
+
+/** Those that need a network for intent. */
+export function needsNetwork(inference: Inference): boolean {
+  return !['nearest', 'known', 'bayesian'].includes(inference);
+}
 
 /** Everything that fixes an episode but the keys. */
 export interface Setup {
@@ -86,7 +99,7 @@ export type Ending = 'goal' | 'elsewhere' | 'crash' | 'out-of-bounds' | 'time-li
 export interface Tick {
   tick: number;
   asked: Named | null;
-  belief: { probabilities: number[]; goal: number; confidence: number };
+  belief: { probabilities: number[]; goal: number; confidence: number; imagined?: [number, number] };
   candidates: { action: Named; value: number; above_worst: number; allowed: boolean }[];
   threshold: number | null;
   executed: Named | null;
@@ -95,6 +108,7 @@ export interface Tick {
   ending: Ending | null;
   differs: boolean;
   goals: Goal[];
+  pilot_goal: number | null;
   poses: Pose[];
 }
 

@@ -1,10 +1,11 @@
-// One flight in the page: the loop ticks by the clock, keys act at the next tick, the canvas draws in between.
+// One flight in the page: the loop ticks by the clock, keys and sticks act at the next tick, the canvas draws in between.
 
 import { TickClock } from './clock';
 import type { Control, Core, Ending, KeyKind, Opening, Setup, Tick } from './core';
 import { PadListener } from './gamepad';
 import { KeyListener } from './keys';
 import { Meter, type Measured } from './meter';
+import { PointerStick } from './pointer';
 import { eventsBefore, keyEvents, type LoggedKey } from './record';
 import type { Stage } from './stage';
 
@@ -68,6 +69,8 @@ export class FlightRun {
   private readonly clock: TickClock;
   private readonly keys: KeyListener;
   private readonly pad: PadListener;
+  /** Only where there are axes. */
+  private readonly pointer: PointerStick | null;
   readonly meter: Meter;
   private older;
   private newer;
@@ -87,7 +90,8 @@ export class FlightRun {
   constructor(
     private readonly core: Core,
     setup: Setup,
-    hasAxes: boolean,
+    /** True if the plant has axes, for which there is a stick. */
+    readonly hasAxes: boolean,
     private readonly stage: Stage,
     private readonly events: FlightEvents,
     private readonly sink: KeyLogSink | null,
@@ -116,6 +120,17 @@ export class FlightRun {
         this.note(() => core.stick(stick, at - this.startedAt));
       },
     );
+    this.pointer = hasAxes
+      ? new PointerStick(
+          stage.canvas,
+          controls,
+          () => this.state === 'flying',
+          (stick, at) => {
+            this.meter.dragged();
+            this.note(() => core.stick(stick, at - this.startedAt));
+          },
+        )
+      : null;
     stage.show(scene, pilot_goal, setup.seed, ticks_per_second);
     this.frame = requestAnimationFrame((now) => this.drawFrame(now));
   }
@@ -153,6 +168,7 @@ export class FlightRun {
       const since = this.options.begunAt === undefined ? 0 : Date.now() - this.options.begunAt;
       this.startedAt = now - Math.max(since, this.lastEventAt, 0);
       this.keys.attach(window);
+      this.pointer?.attach();
     }
     this.meter.goesOn(now);
     this.state = 'flying';
@@ -167,6 +183,7 @@ export class FlightRun {
     const now = performance.now();
     this.keys.releaseAll(now);
     this.pad.releaseAll(now);
+    this.pointer?.releaseAll(() => this.key('release-all', 0, now));
     this.clock.pause(now);
     clearInterval(this.timer);
     this.state = 'paused';
@@ -184,6 +201,7 @@ export class FlightRun {
     cancelAnimationFrame(this.frame);
     clearInterval(this.timer);
     this.keys.detach();
+    this.pointer?.detach();
   }
 
   get isOver(): boolean {
@@ -239,6 +257,7 @@ export class FlightRun {
 
   private tick(now: number): void {
     this.pad.poll(now);
+    this.pointer?.poll(now);
     this.meter.acts(performance.now());
     const tick = this.advance();
     if (tick === null) return;
@@ -254,7 +273,8 @@ export class FlightRun {
     if (tick.intervention?.effective === true) this.counts.corrected += 1;
     this.older = this.newer;
     this.newer = tick.poses;
-    this.stage.note(this.options.plain === true ? { poses: tick.poses, intervention: null } : tick);
+    const { poses, pilot_goal } = tick;
+    this.stage.note(this.options.plain === true ? { poses, pilot_goal, intervention: null } : tick);
     return tick;
   }
 
@@ -289,6 +309,7 @@ export class FlightRun {
     this.clock.stop();
     clearInterval(this.timer);
     this.keys.detach();
+    this.pointer?.detach();
   }
 
   /** The loop never fails in a tick; if it does, that is a bug, and the page must say so and live on. */

@@ -3,7 +3,7 @@
 import { Card, type CardAction } from './card';
 import type { Context, View } from './context';
 import { Controls } from './controls';
-import { CoreStopped, type Inference, type Setup } from './core';
+import { CoreStopped, type Inference, needsNetwork, type Setup } from './core';
 import { element, isTheirs, wantsCalm } from './dom';
 import { FlightRun, type FlightSummary } from './flight';
 import { History } from './history';
@@ -13,7 +13,7 @@ import { say } from './message';
 import { Overlay } from './overlay';
 import { keepSettings, loadSettings, type Settings } from './settings';
 import { Stage } from './stage';
-import { ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
+import { DRAG, ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
 
 /** How long an ending is watched before the card comes, ms. */
 const WATCH_ENDING_MS = 900;
@@ -159,9 +159,10 @@ export class FlyView implements View {
       context: { core, hangar },
       controls: { task, mode },
     } = this;
-    const { values, intent: model } = hangar.crew(task, settings.values);
-    const inference: Inference = mode.mode === 'demo' ? 'known' : model === null ? 'nearest' : settings.inference;
-    const intent = inference === 'known' || inference === 'nearest' ? null : model;
+    const { values, intent: model } = hangar.crew(task, settings.values, settings.inference);
+    const able = values !== null && (model !== null || !needsNetwork(settings.inference));
+    const inference: Inference = mode.mode === 'demo' ? 'known' : able ? settings.inference : 'nearest';
+    const intent = needsNetwork(inference) ? model : null;
     try {
       await hangar.equip(core, [values, intent]);
     } catch (error) {
@@ -251,6 +252,7 @@ export class FlyView implements View {
     const content = [
       element('p', {}, text),
       ...(robot ? [] : [element('p', { class: 'mode-title' }, mode.title), keys]),
+      ...(!robot && this.run!.hasAxes ? [element('p', { class: 'drag' }, DRAG)] : []),
     ];
     this.card.show('ready', robot ? 'Watch the robot' : 'Ready to fly', content, [
       { label: 'Start', key: '⏎', primary: true, press: () => this.begin() },

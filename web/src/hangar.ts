@@ -2,7 +2,7 @@
 // whether two tasks have the same actions is tried out in a loop of its own.
 
 import { listModels, modelBytes, type ModelEntry } from './api';
-import type { ActionSet, Control, Core, PlantEntry, Setup } from './core';
+import type { ActionSet, Control, Core, Inference, PlantEntry, Setup } from './core';
 
 export type Task = Setup['task'];
 
@@ -77,11 +77,13 @@ export class Hangar {
       .sort((a, b) => rank(b) - rank(a));
   }
 
-  /** The models to fly a task with: the wanted values if they fit, and the intent that was trained for them, or the usual one. */
-  crew(task: Task, wanted: string): { values: string | null; intent: string | null } {
+  /** The models to fly a task with: the wanted values if they fit, and the intent that serves the inference and was
+   * trained for them, or the usual one. A goal is imagined by networks that see none. */
+  crew(task: Task, wanted: string, inference: Inference): { values: string | null; intent: string | null } {
     const fitting = this.fitting('values', task);
     const values = fitting.find((model) => model.hash === wanted) ?? fitting[0];
-    const intents = this.fitting('intent', task);
+    const serves = ({ card }: ModelEntry) => (card.goals === 0) === (inference === 'imagined');
+    const intents = this.fitting('intent', task).filter(serves);
     const intent = intents.find(({ card }) => card.variant === (values?.card.variant ?? null)) ?? intents[0];
     return { values: values?.hash ?? null, intent: intent?.hash ?? null };
   }

@@ -1,4 +1,4 @@
-// The page: fly, look at what was flown. One view at a time below one header; the address says which.
+// The page: fly, here or elsewhere, look at what was flown. One view at a time below one header; the address says which.
 
 import './style.css';
 import { episodeBytes } from './api';
@@ -6,6 +6,8 @@ import type { Context, View } from './context';
 import { Core } from './core';
 import { button, element } from './dom';
 import { EpisodesView } from './episodesview';
+import { externalPlant } from './external';
+import { ExternalView } from './externalview';
 import { FlyView } from './flyview';
 import { Hangar } from './hangar';
 import { LearningBadge } from './learning';
@@ -57,13 +59,14 @@ async function open(): Promise<void> {
     });
   }
 
-  show(context, status, badge);
+  const elsewhere = await externalPlant().catch(() => null);
+  show(context, status, badge, elsewhere !== null);
 }
 
 /** Puts the header up, and below it the view that the address names. */
-function show(context: Context, status: HTMLElement, badge: LearningBadge): void {
+function show(context: Context, status: HTMLElement, badge: LearningBadge, elsewhere: boolean): void {
   const tab = (place: string, name: string) => element('a', { href: `#/${place}`, 'data-tab': place }, name);
-  const tabs = [tab('fly', 'Fly'), tab('episodes', 'Episodes')];
+  const tabs = [...(elsewhere ? [tab('external', 'Plant')] : []), tab('fly', 'Fly'), tab('episodes', 'Episodes')];
   const header = element(
     'header',
     {},
@@ -79,7 +82,7 @@ function show(context: Context, status: HTMLElement, badge: LearningBadge): void
   );
   let view: View | null = null;
   const turn = () => {
-    const place = location.hash.replace(/^#\/?/, '') || 'fly';
+    const place = location.hash.replace(/^#\/?/, '') || (elsewhere ? 'external' : 'fly');
     view?.dispose();
     view = viewOf(context, place);
     for (const link of tabs) {
@@ -115,6 +118,7 @@ function viewOf(context: Context, place: string): View {
       back: { label: 'Fly', place: 'fly' },
     });
   }
+  if (place === 'external') return new ExternalView(context);
   return place === 'episodes' ? new EpisodesView(context) : new FlyView(context);
 }
 

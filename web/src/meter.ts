@@ -14,7 +14,7 @@ export interface Measured {
   interruptions: number;
   away_ms: number;
   late_ticks: number;
-  inputs: ('keyboard' | 'gamepad')[];
+  inputs: ('keyboard' | 'gamepad' | 'pointer')[];
   /** From the event's time stamp to the tick at which it acts, ms, each. */
   key_to_tick_ms: number[];
 }
@@ -57,6 +57,11 @@ export class Meter {
   /** A gamepad changed something: it is asked at the tick, so its time says nothing. */
   pushed(): void {
     this.used('gamepad');
+  }
+
+  /** A drag moved the stick: it is asked at the tick, too. */
+  dragged(): void {
+    this.used('pointer');
   }
 
   /** A tick begins: what was pressed acts now. */

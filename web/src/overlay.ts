@@ -88,6 +88,13 @@ export class Overlay {
   }
 
   private showGoals(tick: Tick | null, goals: Goal[]): void {
+    const imagined = tick?.belief.imagined;
+    if (imagined !== undefined) {
+      const place = imagined.map((at) => at.toFixed(2)).join(', ');
+      setRow(rows(this.goals, 1)[0]!, 'imagined at', '●', 0, place, 'chosen');
+      return;
+    }
+    this.ownGoal = tick === null ? this.ownGoal : tick.pilot_goal;
     rows(this.goals, goals.length).forEach((row, i) => {
       const own = goals[i]?.id === this.ownGoal;
       const share = tick?.belief.probabilities[i] ?? 0;

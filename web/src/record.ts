@@ -2,8 +2,8 @@
 
 import type { Ending, KeyKind, Setup } from './core';
 
-/** The format this page reads. */
-const FORMAT = 1;
+/** The formats this page reads: the second has a tape behind it, which only the loop reads. */
+const FORMATS = [1, 2];
 const NOTHING = 255;
 const AXES = 254;
 const STICK = 3;
@@ -32,9 +32,9 @@ export function readRecord(bytes: Uint8Array): FlightRecord {
   if (bytes.length < 9 || new TextDecoder().decode(bytes.subarray(0, 4)) !== 'CHLM') {
     throw new RecordError('This is no record of a flight.');
   }
-  if (view.getUint8(4) !== FORMAT) {
+  if (!FORMATS.includes(view.getUint8(4))) {
     throw new RecordError(
-      `This record has format ${view.getUint8(4)}; this page reads format ${FORMAT}. Use the version of cohelm that wrote it.`,
+      `This record has format ${view.getUint8(4)}; this page reads formats ${FORMATS.join(' and ')}. Use the version of cohelm that wrote it.`,
     );
   }
   const body = 9 + view.getUint32(5, true);

@@ -55,6 +55,9 @@ export const INFERENCES: [Inference, string][] = [
   ['calibrated', 'calibrated'],
   ['softmax', 'softmax of distances'],
   ['inverse-distance', 'inverse distance (the paper’s)'],
+  ['bayesian', 'by the values'],
+  ['calibrated-bayesian', 'calibrated × by the values'],
+  ['imagined', 'imagined: knows no goals'],
   ['nearest', 'nearest goal'],
 ];
 

@@ -70,7 +70,6 @@ export class Stage {
       scene.movable.findIndex((part) => part.role === 'body'),
       0,
     );
-    const own = scene.fixed.find((part) => part.role === 'goal' && part.goal === ownGoal);
     this.shown = {
       scene,
       ownGoal,
@@ -80,7 +79,7 @@ export class Stage {
       exhaust: new Exhaust(scene, this.calm),
       terrain: new Terrain(scene),
       size: sizeOf(scene.movable[body]),
-      ownBox: own === undefined ? null : boxOf(own.shapes),
+      ownBox: boxOfGoal(scene, ownGoal),
       way: { points: [], corrected: [] },
       other: [],
     };
@@ -89,12 +88,20 @@ export class Stage {
     this.stale = true;
   }
 
-  /** A tick was flown: its place is kept for the way. */
-  note(tick: Pick<Tick, 'poses' | 'intervention'>): void {
+  /** A tick was flown: its place is kept for the way, and the goal that the person wants from now on is marked. */
+  note(tick: Pick<Tick, 'poses' | 'intervention'> & Partial<Pick<Tick, 'pilot_goal'>>): void {
+    if (tick.pilot_goal !== undefined) this.want(tick.pilot_goal);
     const pose = tick.poses[this.shown?.body ?? 0];
     if (pose === undefined) return;
     this.shown?.way.points.push([pose.x, pose.y]);
     this.shown?.way.corrected.push(tick.intervention?.effective === true);
+  }
+
+  private want(goal: number | null): void {
+    if (this.shown === null || this.shown.ownGoal === goal) return;
+    this.shown.ownGoal = goal;
+    this.shown.ownBox = boxOfGoal(this.shown.scene, goal);
+    this.stale = true;
   }
 
   /** Another way through the same scene, drawn for comparison: the poses of each of its ticks. */
@@ -264,6 +271,12 @@ function penOf(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
   const pen = canvas.getContext('2d');
   if (pen === null) throw new Error('this browser gives no 2D canvas; try a current Firefox, Chrome or Safari');
   return pen;
+}
+
+/** The box around the parts of a goal. */
+function boxOfGoal(scene: Scene, goal: number | null): Box | null {
+  const part = [...scene.fixed, ...scene.movable].find((part) => part.role === 'goal' && part.goal === goal);
+  return part === undefined ? null : boxOf(part.shapes);
 }
 
 function sizeOf(part: Part | undefined): number {

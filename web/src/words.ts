@@ -52,6 +52,9 @@ export const RULES: Record<Rule['rule'], string> = {
   'misc-r': 'MISC-R: allowed is what costs at most κ · median range; of these the most similar.',
 };
 
+/** How axes are steered without keys. */
+export const DRAG = 'Or press on the picture and drag: a stick under your mouse or finger.';
+
 /** Why something failed, in words. */
 export function reasonOf(error: unknown): string {
   return error instanceof Error ? error.message : String(error);

@@ -168,7 +168,7 @@ describe('the hangar', () => {
       name: hash,
       plant: task.plant,
       offered,
-      card: { name: hash, variant: null, task, plant_version: 1, ...card },
+      card: { name: hash, variant: null, task, plant_version: 1, goals: 3, ...card },
     };
   };
   let hangar: Hangar;
@@ -217,12 +217,17 @@ describe('the hangar', () => {
       entry('intent', 'intent'),
       entry('second intent', 'intent', { variant: 'second' }),
     ];
-    const crew = (wanted: string) => Object.values(hangar.crew({ plant: 'flag-lander', options: {} }, wanted));
+    const task = { plant: 'flag-lander', options: {} };
+    const crew = (wanted: string) => Object.values(hangar.crew(task, wanted, 'calibrated'));
     expect(crew('')).toEqual(['values', 'intent']);
     expect(crew('second')).toEqual(['second', 'second intent']);
     expect(crew('paper')).toEqual(['paper', 'intent']);
     expect(crew('of another plant')).toEqual(['values', 'intent']);
-    expect(Object.values(hangar.crew({ plant: 'point', options: {} }, ''))).toEqual([null, null]);
+    expect(Object.values(hangar.crew({ plant: 'point', options: {} }, '', 'calibrated'))).toEqual([null, null]);
+    expect(Object.values(hangar.crew(task, '', 'imagined'))).toEqual(['values', null]);
+    hangar.models.push(entry('blind', 'intent', { variant: 'imagined', goals: 0 }));
+    expect(Object.values(hangar.crew(task, '', 'imagined'))).toEqual(['values', 'blind']);
+    expect(crew('')).toEqual(['values', 'intent']);
   });
 
   it('prefers what learns, then the newest usual one; what was learned before is not offered', () => {

@@ -40,6 +40,8 @@ fn what_the_commands_need_is_shipped() {
         };
         assert!(shipped.iter().any(is_it), "no values of variant {variant:?} among {shipped:?}");
     }
+    let imagining = (Kind::Intent, "flag-lander-switches-imagined".to_owned(), Some("imagined".to_owned()));
+    assert!(shipped.contains(&imagining), "no intent that imagines a goal among {shipped:?}");
 }
 
 #[test]
@@ -50,7 +52,9 @@ fn cards_name_the_plants_as_they_are() {
         let (plant, entry) = (plants.make(&card.task).unwrap(), plants.entry(&card.task).unwrap());
         assert_eq!(card.plant_version, entry.version, "{}: `cohelm train --ship` makes it again", card.name);
         assert_eq!(&card.space, plant.space(), "{}", card.name);
-        assert_eq!(card.goals, plant.view().goals.len(), "{}", card.name);
+        let imagines = card.variant.as_deref() == Some("imagined");
+        let goals = if imagines { 0 } else { plant.view().goals.len() };
+        assert_eq!((card.goals, card.goal_spread.is_some()), (goals, imagines), "{}", card.name);
         assert_eq!(card.trained_with.cohelm, env!("CARGO_PKG_VERSION"), "{}", card.name);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::outputs::Outputs;
 use cohelm::action::ActionSpace;
+use cohelm::intent::Inference;
 use cohelm::registry::Task;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -46,8 +47,12 @@ pub struct Card {
     pub space: ActionSpace,
     /// Numbers in the plant's state.
     pub state: usize,
-    /// Goals there were.
+    /// Goals that its networks see; 0 for intent that knows no goals and imagines one.
     pub goals: usize,
+    /// How far, by its standard deviation along an axis, the pilots' goals lay from their mean in training, in normalised
+    /// units: the spread of somebody who knows nothing. Intent that knows no goals only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal_spread: Option<f64>,
     /// Version of what its networks see ([`encode`](crate::encode)).
     pub encoder_version: u32,
     /// True if the values take what is asked as input, as a sentence of the paper has it.
@@ -71,6 +76,12 @@ pub struct Card {
 }
 
 impl Card {
+    /// True if an intent model can serve this inference: a goal is imagined by networks that know none, and all other
+    /// inferences compare goals.
+    pub fn serves(&self, inference: Inference) -> bool {
+        (self.goals == 0) == inference.hides_goals()
+    }
+
     /// Which network output stands for which command; `None` if its space has no commands.
     pub fn outputs(&self) -> Option<Outputs> {
         if self.free_outputs { Outputs::free(&self.space) } else { Outputs::of(&self.space) }

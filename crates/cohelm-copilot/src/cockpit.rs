@@ -1,17 +1,20 @@
 //! The cockpit that a setup describes.
 
 use crate::card::{Card, Kind};
-use crate::intent::NetworkIntent;
-use crate::model::{Model, Network};
+use crate::intent::{ImaginedIntent, NetworkIntent};
+use crate::model::{IntentNetworks, Model, Network};
 use crate::models::Models;
 use crate::values::NetworkValues;
 use cohelm::arbitration::RuleError;
 use cohelm::cockpit::Cockpit;
-use cohelm::intent::{Head, Inference, IntentModel, KnownGoal, NearestGoal};
+use cohelm::intent::{
+    Evidence, EvidenceError, Head, Inference, IntentModel, NearestGoal, Product, Told, ValueIntent,
+};
 use cohelm::plant::Plant;
 use cohelm::registry::{Plants, TaskError};
 use cohelm::trajectory::Setup;
 use cohelm::value::{NoOpinion, ValueModel};
+use std::sync::Arc;
 
 /// Why there is no cockpit for a setup.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -63,8 +66,29 @@ pub enum CockpitError {
         /// What it should be for.
         needed: Kind,
     },
+    /// The inference by values cannot be made.
+    #[error(transparent)]
+    Evidence(#[from] EvidenceError),
+    /// The inference asks values and there are none.
+    #[error("inference {:?} asks what every goal would make a pilot do; name a value model", .inference.word())]
+    NoValues {
+        /// What was to be inferred how.
+        inference: Inference,
+    },
+    /// The intent model knows goals and should not, or the other way round.
+    #[error(
+        "the model {name:?} does not serve the inference {:?}: {}", .inference.word(),
+        if inference.hides_goals() { "it was trained seeing the goals; use a variant that imagines one" }
+        else { "it was trained without seeing goals; use it with `imagined`" }
+    )]
+    WrongInference {
+        /// The model's name.
+        name: String,
+        /// What was to be inferred how.
+        inference: Inference,
+    },
     /// The inference needs a network and the setup names none.
-    #[error("inference {inference:?} needs an intent model; name one, or infer the nearest goal")]
+    #[error("inference {:?} needs an intent model; name one, or infer the nearest goal", .inference.word())]
     NoIntent {
         /// What was to be inferred how.
         inference: Inference,
@@ -93,7 +117,7 @@ pub enum CockpitError {
         /// Version of this program.
         known: u32,
     },
-    /// A model knows other actions, another state or another number of goals.
+    /// A model knows other actions or another state.
     #[error(
         "the model {name:?} does not fit this plant: its {part} differs; use the model trained with these options"
     )]
@@ -106,10 +130,11 @@ pub enum CockpitError {
 }
 
 /// The cockpit that a setup describes. Values come from the network of that hash; without one, from the plant's entry
-/// if it has hand-made ones, otherwise there is no opinion. Models are checked against plant, version and actions.
+/// if it has hand-made ones, otherwise there is no opinion. Models are checked against plant, version and actions; how
+/// many goals there are may differ from training, and change.
 ///
 /// `plant` is one made from the setup's task; its state does not matter. Only [`Inference::Known`] looks at the pilot's
-/// goal, and it does so here, in the episode of the setup's seed, not in the loop.
+/// goals, and it does so here, in the episode of the setup's seed, not in the loop.
 pub fn cockpit(
     setup: &Setup,
     plant: &dyn Plant,
@@ -121,39 +146,38 @@ pub fn cockpit(
         let plant = setup.task.plant.clone();
         return Err(CockpitError::SetupVersion { plant, setup: setup.plant_version, known: entry.version });
     }
-    let fitting = Fitting { setup, plant, models };
-    let (values, median_range) = match (&setup.values, entry.values) {
-        (Some(hash), _) => fitting.values(hash)?,
-        (None, Some(hand_made)) => (hand_made(), f64::NAN),
-        (None, None) => (Box::new(NoOpinion::new(plant.space())) as Box<dyn ValueModel>, f64::NAN),
-    };
-    let intent: Box<dyn IntentModel> = match setup.inference.head() {
-        Some(head) => fitting.intent(head)?,
-        None if setup.inference == Inference::Known => Box::new(KnownGoal(pilot_goal(setup, plants)?)),
-        None => Box::new(NearestGoal),
+    let fitting = Fitting { setup, plant, plants, models, hand_made: entry.values };
+    let (values, median_range) = match fitting.estimator()? {
+        Some(estimator) => estimator,
+        None => (Box::new(NoOpinion::new(plant.space())) as Box<dyn ValueModel>, f64::NAN),
     };
     let arbiter = setup.rule.arbiter(median_range)?;
     if arbiter.needs().look_ahead && plant.snapshot().is_none() {
         let plant = setup.task.plant.clone();
         return Err(CockpitError::NoCopy { rule: setup.rule.word(), plant });
     }
-    Ok(Cockpit::new(intent, values, arbiter).with_silence(setup.silence))
-}
-
-fn pilot_goal(setup: &Setup, plants: &Plants) -> Result<usize, CockpitError> {
-    let mut plant = plants.make(&setup.task)?;
-    plant.reset(setup.seed);
-    Ok(plant.pilot_goal())
+    let cockpit = Cockpit::new(fitting.intent()?, values, arbiter).with_silence(setup.silence);
+    Ok(if setup.inference.hides_goals() { cockpit.with_goals_hidden() } else { cockpit })
 }
 
 /// Finds models and holds them against the plant.
 struct Fitting<'a> {
     setup: &'a Setup,
     plant: &'a dyn Plant,
+    plants: &'a Plants,
     models: &'a Models,
+    hand_made: Option<fn() -> Box<dyn ValueModel>>,
 }
 
 impl Fitting<'_> {
+    /// The values of the setup and their median range, if there are any.
+    fn estimator(&self) -> Result<Option<(Box<dyn ValueModel>, f64)>, CockpitError> {
+        match (&self.setup.values, self.hand_made) {
+            (Some(hash), _) => self.values(hash).map(Some),
+            (None, hand_made) => Ok(hand_made.map(|make| (make(), f64::NAN))),
+        }
+    }
+
     fn values(&self, hash: &str) -> Result<(Box<dyn ValueModel>, f64), CockpitError> {
         let model = self.model(Kind::Values, hash)?;
         let Network::Values(network) = model.network() else { return Err(wrong_kind(model, Kind::Values)) };
@@ -162,16 +186,55 @@ impl Fitting<'_> {
         Ok((Box::new(values), model.card().median_range.unwrap_or(f64::NAN)))
     }
 
-    fn intent(&self, head: Head) -> Result<Box<dyn IntentModel>, CockpitError> {
+    fn intent(&self) -> Result<Box<dyn IntentModel>, CockpitError> {
+        Ok(match self.setup.inference {
+            Inference::Nearest => Box::new(NearestGoal),
+            Inference::Known => Box::new(self.told()?),
+            Inference::InverseDistance => Box::new(self.network(Head::InverseDistance)?),
+            Inference::Softmax => Box::new(self.network(Head::Softmax)?),
+            Inference::Calibrated => Box::new(self.network(Head::Calibrated)?),
+            Inference::Bayesian => Box::new(self.by_values()?),
+            Inference::CalibratedBayesian => {
+                Box::new(Product::new(Box::new(self.network(Head::Calibrated)?), Box::new(self.by_values()?)))
+            }
+            Inference::Imagined => Box::new(self.imagined()?),
+        })
+    }
+
+    /// What the pilot of the setup's episode wants, found out in an episode of its own.
+    fn told(&self) -> Result<Told, CockpitError> {
+        let mut plant = self.plants.make(&self.setup.task)?;
+        plant.reset(self.setup.seed);
+        Ok(Told::new(plant.wishes()))
+    }
+
+    fn network(&self, head: Head) -> Result<NetworkIntent, CockpitError> {
+        let (card, networks) = self.networks()?;
+        let intent = NetworkIntent::new(card, networks, head);
+        intent.ok_or_else(|| wrong_shape(card, "action space"))
+    }
+
+    fn imagined(&self) -> Result<ImaginedIntent, CockpitError> {
+        let (card, networks) = self.networks()?;
+        ImaginedIntent::new(card, networks).ok_or_else(|| wrong_shape(card, "spread of the goals"))
+    }
+
+    fn by_values(&self) -> Result<ValueIntent, CockpitError> {
+        let inference = self.setup.inference;
+        let (values, median_range) = self.estimator()?.ok_or(CockpitError::NoValues { inference })?;
+        Ok(ValueIntent::new(values, self.plant.space(), median_range, Evidence::default())?)
+    }
+
+    fn networks(&self) -> Result<(&Card, Arc<IntentNetworks>), CockpitError> {
         let inference = self.setup.inference;
         let hash = self.setup.intent.as_ref().ok_or(CockpitError::NoIntent { inference })?;
         let model = self.model(Kind::Intent, hash)?;
         let Network::Intent(networks) = model.network() else { return Err(wrong_kind(model, Kind::Intent)) };
-        if head == Head::Calibrated && model.card().goals != self.plant.view().goals.len() {
-            return Err(wrong_shape(model.card(), "number of goals"));
+        let card = model.card();
+        if !card.serves(inference) {
+            return Err(CockpitError::WrongInference { name: card.name.clone(), inference });
         }
-        let intent = NetworkIntent::new(model.card(), networks.clone(), head);
-        Ok(Box::new(intent.ok_or_else(|| wrong_shape(model.card(), "action space"))?))
+        Ok((card, networks.clone()))
     }
 
     fn model(&self, kind: Kind, hash: &str) -> Result<&Model, CockpitError> {

@@ -2,7 +2,7 @@
 //! meaning of an input counts it up, and models of the older version are refused instead of misread.
 
 use cohelm::action::Action;
-use cohelm::plant::View;
+use cohelm::plant::{Goal, View};
 
 /// Version of [`ValueEncoder`].
 pub const VALUES_VERSION: u32 = 1;
@@ -103,7 +103,11 @@ impl IntentEncoder {
     }
 
     /// Writes [`with_goals`](Self::with_goals) numbers, of which the first [`without_goals`](Self::without_goals) are
-    /// for the other network, and begins to count anew. Goals that are missing are zeros.
+    /// for the other network, and begins to count anew.
+    ///
+    /// The network has as many places as there were goals in training. Where there are fewer goals now, the last one
+    /// stands in the places that are left (zeros where there is none); where there are more, those nearest to the plant are
+    /// shown, in their order. Heads compare all goals of the moment, shown or not.
     ///
     /// # Panics
     /// If `input` has another length or the state has another length than announced.
@@ -114,19 +118,33 @@ impl IntentEncoder {
             *share = count as f32 / self.noted.max(1) as f32;
         }
         state.copy_from_slice(view.state);
-        positions[..2 * self.goals].fill(0.0);
-        for (position, goal) in positions.chunks_exact_mut(2).zip(view.goals) {
-            position.copy_from_slice(&goal.position);
-        }
+        show_goals(view, &mut positions[..2 * self.goals]);
         self.begin();
+    }
+}
+
+/// Writes the positions of goals into the places that there are for them.
+fn show_goals(view: &View<'_>, positions: &mut [f32]) {
+    let places = positions.len() / 2;
+    let squared = |goal: &Goal| {
+        let (dx, dy) = (goal.position[0] - view.position[0], goal.position[1] - view.position[1]);
+        dx * dx + dy * dy
+    };
+    let nearer = |index: usize, goal: &Goal| {
+        let before = |(i, other): &(usize, &Goal)| (squared(other), *i) < (squared(goal), index);
+        view.goals.iter().enumerate().filter(before).count()
+    };
+    let shown = view.goals.iter().enumerate().filter(|(index, goal)| nearer(*index, goal) < places);
+    let last = view.goals.last().map_or([0.0; 2], |goal| goal.position);
+    let shown = shown.map(|(_, goal)| goal.position).chain(std::iter::repeat(last));
+    for (position, goal) in positions.chunks_exact_mut(2).zip(shown) {
+        position.copy_from_slice(&goal);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cohelm::plant::Goal;
-
     const GOALS: [Goal; 2] = [Goal { id: 0, position: [0.5, 0.25] }, Goal { id: 1, position: [-0.5, 0.0] }];
 
     fn view() -> View<'static> {
@@ -156,10 +174,28 @@ mod tests {
         encoder.encode(&view(), &mut input);
         assert_eq!(input[..3], [0.25, 0.5, 0.25]);
         assert_eq!(input[3..6], [0.25, 1.0, -3.0]);
-        assert_eq!(input[6..], [0.5, 0.25, -0.5, 0.0, 0.0, 0.0]);
+        assert_eq!(
+            input[6..],
+            [0.5, 0.25, -0.5, 0.0, -0.5, 0.0],
+            "the last goal stands in the place that is left"
+        );
         encoder.note(None);
         encoder.encode(&view(), &mut input);
         assert_eq!(input[..3], [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn with_fewer_places_than_goals_the_nearest_are_shown_in_their_order() {
+        let goals = [-0.9, -0.3, 0.2, 0.6].map(|x| Goal { id: 0, position: [x, 0.0] });
+        let mut input = [9.0; 10];
+        for (position, shown) in [([0.2, 0.5], [-0.3, 0.2, 0.6]), ([-0.7, 0.5], [-0.9, -0.3, 0.2])] {
+            let view = View { goals: &goals, position, ..view() };
+            IntentEncoder::new(0, 3, 3).encode(&view, &mut input);
+            assert_eq!([input[4], input[6], input[8]], shown);
+        }
+        let none = View { goals: &[], ..view() };
+        IntentEncoder::new(0, 3, 3).encode(&none, &mut input);
+        assert_eq!(input[4..], [0.0; 6]);
     }
 
     #[test]

@@ -71,6 +71,38 @@ impl IntentModel for NetworkIntent {
     }
 }
 
+/// Imagines a goal where a network that knows no goals expects it. c = 1 − σ/σ₀: how much narrower the network's spread is
+/// than that of somebody who knows nothing ([`Card::goal_spread`]).
+///
+/// It needs a cockpit with hidden goals; whatever goals a view holds, it looks at none.
+#[derive(Clone, Debug)]
+pub struct ImaginedIntent {
+    network: NetworkIntent,
+    usual_spread: f32,
+}
+
+impl ImaginedIntent {
+    /// Networks with the card they came with; `None` if the card's space has no commands or its networks know goals.
+    pub fn new(card: &Card, networks: Arc<IntentNetworks>) -> Option<Self> {
+        let usual_spread = card.goal_spread.filter(|spread| *spread > 0.0 && card.goals == 0)? as f32;
+        Some(Self { network: NetworkIntent::new(card, networks, Head::Calibrated)?, usual_spread })
+    }
+}
+
+impl IntentModel for ImaginedIntent {
+    fn begin(&mut self) {
+        self.network.begin();
+    }
+
+    fn infer(&mut self, view: &View<'_>, asked: Option<Action>) -> Belief {
+        let view = View { goals: &[], ..*view };
+        let nothing = self.network.infer(&view, asked);
+        self.network.prediction.map_or(nothing, |Prediction { position, spread }| {
+            Belief::imagined(position, 1.0 - spread / self.usual_spread)
+        })
+    }
+}
+
 /// The network that a head reads.
 fn network(networks: &IntentNetworks, head: Head) -> &Lstm {
     match head {

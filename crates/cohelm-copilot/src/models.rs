@@ -1,8 +1,9 @@
 //! A set of models, found by hash.
 
-use crate::card::Kind;
+use crate::card::{Card, Kind};
 use crate::model::{Model, ModelError};
 use cohelm::action::ActionSpace;
+use cohelm::intent::Inference;
 use cohelm::registry::Task;
 
 /// Models by hash, in the order in which they were added. Cheap to clone.
@@ -48,12 +49,18 @@ impl Models {
     /// The newest model of a kind for a task's plant and its action space. Variants (see
     /// [`Card::variant`](crate::card::Card::variant)) count only where there is nothing else.
     pub fn newest_for(&self, kind: Kind, task: &Task, space: &ActionSpace) -> Option<&Model> {
-        let fitting = || {
-            self.iter().rev().filter(|model| {
-                let card = model.card();
-                card.kind == kind && card.task.plant == task.plant && card.space == *space
-            })
-        };
+        self.newest(task, space, |card| card.kind == kind)
+    }
+
+    /// The newest intent model that serves an inference, in the same way; `None` for an inference without networks.
+    pub fn newest_intent(&self, inference: Inference, task: &Task, space: &ActionSpace) -> Option<&Model> {
+        inference.head()?;
+        self.newest(task, space, |card| card.kind == Kind::Intent && card.serves(inference))
+    }
+
+    fn newest(&self, task: &Task, space: &ActionSpace, is: impl Fn(&Card) -> bool) -> Option<&Model> {
+        let fits = |card: &Card| is(card) && card.task.plant == task.plant && card.space == *space;
+        let fitting = || self.iter().rev().filter(|model| fits(model.card()));
         fitting().find(|model| model.card().variant.is_none()).or_else(|| fitting().next())
     }
 }

@@ -39,6 +39,7 @@ static ALLOCATOR: Counting = Counting;
 fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
     let assisted = rule != Rule::Hic;
     let hash = |i| models.iter().nth(i).filter(|_| assisted).map(|model| model.hash().to_owned());
+    let of_intent = if inference.hides_goals() { 2 } else { 1 };
     let setup = Setup {
         task: made::task(),
         plant_version: made::plants().entry(&made::task()).unwrap().version,
@@ -48,7 +49,7 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
         silence: Silence::Best,
         time_scale: 1.0,
         values: hash(0),
-        intent: hash(1),
+        intent: hash(of_intent),
         pilot: "test".into(),
     };
     let mut plant = made::plants().make(&setup.task).unwrap();
@@ -71,8 +72,9 @@ fn a_tick_with_both_networks_allocates_no_more_than_the_plant_does() {
     let mut models = Models::new();
     models.add_model(made::values(3));
     models.add_model(made::intent(4));
+    models.add_model(made::imagining(5));
     let of_plant = allocations(Rule::Hic, Inference::Nearest, &models);
-    for inference in [Inference::InverseDistance, Inference::Softmax, Inference::Calibrated] {
+    for inference in Inference::ALL {
         for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }] {
             assert_eq!(allocations(rule, inference, &models), of_plant, "{rule:?} {inference:?}");
         }

@@ -54,6 +54,10 @@ fn a_cockpit_says_why_a_model_does_not_fit() {
     assert!(matches!(refusal(&usual(), &[&values]), CockpitError::NoModel { kind: Kind::Intent, .. }));
     let none = lander(Inference::Softmax, Some(&values), None);
     assert!(matches!(refusal(&none, &[&values]), CockpitError::NoIntent { .. }));
+    let imagined = lander(Inference::Imagined, Some(&values), Some(&intent));
+    assert!(refusal(&imagined, &[&values, &intent]).to_string().contains("trained seeing the goals"));
+    let unvalued = lander(Inference::Bayesian, None, None);
+    assert!(matches!(refusal(&unvalued, &[]), CockpitError::NoValues { .. }));
     let swapped = lander(Inference::Softmax, Some(&intent), Some(&values));
     assert!(matches!(refusal(&swapped, &[&values, &intent]), CockpitError::WrongKind { .. }));
     let older = Setup { plant_version: 0, ..usual() };

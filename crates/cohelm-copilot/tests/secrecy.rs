@@ -8,7 +8,7 @@ use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
 use cohelm::intent::Inference;
 use cohelm::pilot::Recorded;
-use cohelm::plant::{Plant, Step, View};
+use cohelm::plant::{Goal, Plant, Step, View};
 use cohelm::random::Draws;
 use cohelm::scene::{Pose, Scene};
 use cohelm::trajectory::Setup;
@@ -18,6 +18,8 @@ use cohelm_copilot::{Models, cockpit};
 struct Wanting {
     plant: Box<dyn Plant>,
     goal: usize,
+    /// What goals are shown instead of its own.
+    shown: Option<Vec<Goal>>,
 }
 
 impl Plant for Wanting {
@@ -30,7 +32,8 @@ impl Plant for Wanting {
     }
 
     fn view(&self) -> View<'_> {
-        self.plant.view()
+        let view = self.plant.view();
+        View { goals: self.shown.as_deref().unwrap_or(view.goals), ..view }
     }
 
     fn pilot_goal(&self) -> usize {
@@ -61,7 +64,7 @@ fn setup(rule: Rule, inference: Inference, models: &Models) -> Setup {
         silence: Silence::Best,
         time_scale: 1.0,
         values: hash(0),
-        intent: hash(1),
+        intent: hash(if inference.hides_goals() { 2 } else { 1 }),
         pilot: "test".into(),
     }
 }
@@ -69,7 +72,10 @@ fn setup(rule: Rule, inference: Inference, models: &Models) -> Setup {
 /// Every bit of what the co-pilot did in a flight whose pilot wants `goal` and asks these things.
 fn decisions(setup: &Setup, models: &Models, goal: usize, asked: &[Option<Action>]) -> Vec<u32> {
     let plant = made::plants().make(&setup.task).unwrap();
-    let mut plant = Wanting { plant, goal };
+    decisions_in(Wanting { plant, goal, shown: None }, setup, models, asked)
+}
+
+fn decisions_in(mut plant: Wanting, setup: &Setup, models: &Models, asked: &[Option<Action>]) -> Vec<u32> {
     plant.reset(setup.seed);
     let mut cockpit = cockpit(setup, &plant, &made::plants(), models).unwrap();
     cockpit.begin();
@@ -95,18 +101,40 @@ fn another_goal_with_the_same_requests_changes_no_bit_of_belief_or_decision() {
     let mut models = Models::new();
     models.add_model(made::values(3));
     models.add_model(made::intent(4));
+    models.add_model(made::imagining(5));
     let mut draws = Draws::new(5);
     let asked: Vec<Option<Action>> =
         (0..150).map(|_| draws.chance(0.6).then(|| Action::Command(draws.below(6) as u8))).collect();
-    for inference in
-        [Inference::Nearest, Inference::InverseDistance, Inference::Softmax, Inference::Calibrated]
-    {
+    for inference in Inference::ALL.into_iter().filter(|&inference| inference != Inference::Known) {
         for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }, Rule::Robot] {
             let setup = setup(rule, inference, &models);
             let [a, b] = [0, 2].map(|goal| decisions(&setup, &models, goal, &asked));
             assert!(a.len() > 100 && a == b, "{rule:?} with {inference:?}");
         }
     }
+}
+
+#[test]
+fn who_imagines_a_goal_decides_the_same_whatever_goals_there_are() {
+    let mut models = Models::new();
+    models.add_model(made::values(3));
+    models.add_model(made::intent(4));
+    models.add_model(made::imagining(5));
+    let asked = [Some(Action::Command(2)), None, Some(Action::Command(0))].repeat(40);
+    let flown = |inference, shown: Option<Vec<Goal>>| {
+        let plant = made::plants().make(&made::task()).unwrap();
+        let setup = setup(Rule::Misc, inference, &models);
+        decisions_in(Wanting { plant, goal: 0, shown }, &setup, &models, &asked)
+    };
+    let elsewhere = || Some(vec![Goal { id: 7, position: [0.9, 0.9] }; 2]);
+    let own = flown(Inference::Imagined, None);
+    assert!(own.len() > 100 && own == flown(Inference::Imagined, elsewhere()));
+    assert_eq!(own, flown(Inference::Imagined, Some(vec![])));
+    assert_ne!(
+        flown(Inference::Softmax, None),
+        flown(Inference::Softmax, elsewhere()),
+        "it would be noticed"
+    );
 }
 
 #[test]

@@ -89,7 +89,7 @@ pub struct Tally {
 impl Tally {
     /// Takes one tick in; the plant is as the tick left it.
     pub fn note(&mut self, tick: &Tick<'_>, plant: &dyn Plant) {
-        self.goals_right.push(tick.belief.goal == plant.pilot_goal());
+        self.goals_right.push(tick.right);
         self.confidence += f64::from(tick.belief.confidence);
         self.reward += tick.step.reward;
         self.ending = tick.step.ending;

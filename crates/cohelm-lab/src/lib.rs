@@ -6,6 +6,7 @@
 
 pub mod episode;
 pub mod experiment;
+pub mod intents;
 pub mod parallel;
 pub mod reproduce;
 pub mod results;

@@ -191,9 +191,26 @@ impl Craft {
     /// Lets 1/50 s pass. Order as in Gymnasium: wind, main engine, side engines (left, right), then the physics.
     /// A sleeping craft wakes when an engine fires; wind wakes it too (hand in none while it stands).
     pub fn tick(&mut self, controls: &Controls) {
+        self.steer(controls);
+        self.coast();
+    }
+
+    /// The first half of a tick: wind and engines act on the hull.
+    pub(crate) fn steer(&mut self, controls: &Controls) {
         self.blow(controls);
         self.fire(controls);
+    }
+
+    /// The second half of a tick: time passes.
+    pub(crate) fn coast(&mut self) {
         self.world.step(TICK_S as f32);
+    }
+
+    /// As many calls of [`Craft::coast`], with their bits, in less time.
+    #[cfg(feature = "lanes")]
+    pub(crate) fn coast_together<'a>(crafts: impl Iterator<Item = &'a mut Craft>) {
+        let mut worlds: Vec<_> = crafts.map(|craft| &mut craft.world).collect();
+        crate::physics::together::step(&mut worlds, TICK_S as f32);
     }
 
     fn blow(&mut self, controls: &Controls) {

@@ -1,7 +1,8 @@
 //! The flag task of the paper: three pairs of flags at random places, one of them the pilot's goal.
 //!
-//! The craft is Gymnasium's, exactly; what differs is the ground with its three pads, the rule of landing (rest on both
-//! legs for ten ticks) and the reward (for the pilot's pad). Four [`ActionSet`]s act on the same engines, which may burn
+//! The craft is Gymnasium's, exactly; what differs is the ground with its pads, the rule of landing (rest on both
+//! legs for ten ticks) and the reward (for the pilot's pad). By [`FlagOptions`] there are one to four pads, which may become
+//! goals late or cease to be, and the pilot may change its mind. Four [`ActionSet`]s act on the same engines, which may burn
 //! together. Landing, crashing and leaving are events; hovering over the pad until the time is up is none of them.
 //!
 //! Reward of a tick: shaping · (Φ′ − Φ) − 0.003 − 0.002 for each engine turned on or off, and +3 at the goal, −1 for a
@@ -25,6 +26,7 @@
 //! ```
 
 pub(crate) mod actions;
+mod course;
 mod judge;
 pub(crate) mod layout;
 pub(crate) mod options;
@@ -37,15 +39,16 @@ pub(crate) mod teacher;
 mod tests;
 
 pub use actions::{ActionSet, Burning};
-pub use layout::PADS;
+pub use layout::{MOST_PADS, PADS};
 pub use options::{Elsewhere, FlagOptions, OptionsError};
 
 use crate::craft::{Controls, Craft, Dispersion, Engines, Start};
 use cohelm::action::{Action, ActionSpace};
-use cohelm::plant::{Ending, Mirror, Plant, Step, View};
+use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View, Wish};
 use cohelm::random::Draws;
 use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
+use course::Course;
 use judge::Rest;
 use layout::{Layout, purpose};
 use state::STATE_LENGTH;
@@ -60,7 +63,12 @@ pub struct FlagLander {
     options: FlagOptions,
     space: Arc<ActionSpace>,
     layout: Arc<Layout>,
-    wanted: usize,
+    course: Arc<Course>,
+    /// What the pilot is made to want, whatever it wanted.
+    told: Option<usize>,
+    /// The goals of the moment, in the first places.
+    goals: [Goal; MOST_PADS],
+    goals_now: usize,
     scatter: Draws,
     craft: Craft,
     engines: Engines,
@@ -74,7 +82,7 @@ impl FlagLander {
     /// The flight of seed 0.
     pub fn new(options: FlagOptions) -> Result<Self, OptionsError> {
         options.check()?;
-        let layout = Layout::draw(0, options.pad_half_width);
+        let layout = Layout::draw(0, options.pad_half_width, options.pads as usize);
         let start = layout.start_at_the_top(0);
         Ok(Self::begin(options, Arc::new(options.actions.space()), layout, &start, 0))
     }
@@ -99,11 +107,15 @@ impl FlagLander {
     ) -> Self {
         let mut craft = Craft::place_hanging(&layout.ground, start, options.settings());
         craft.tick(&Controls::IDLE);
+        let course = Course::draw(seed, &options, layout.first_wish);
         let mut lander = Self {
             options,
             space,
-            wanted: layout.pilot_goal,
             layout: Arc::new(layout),
+            course: Arc::new(course),
+            told: None,
+            goals: [Goal { id: 0, position: [0.0; 2] }; MOST_PADS],
+            goals_now: 0,
             scatter: Draws::fork(seed, purpose::SCATTER),
             craft,
             engines: Engines::OFF,
@@ -121,28 +133,36 @@ impl FlagLander {
     }
 
     fn advance(&mut self, executed: Option<Action>, dispersion: Dispersion) -> Step {
-        let (potential, burnt) = (self.potential(), self.burning());
+        let wanted = self.wanted();
+        let (potential, burnt) = (self.potential(wanted), self.burning());
         self.engines = self.options.actions.engines(executed, &self.engines);
         self.craft.tick(&Controls { engines: self.engines, dispersion, ..Controls::IDLE });
         self.tick += 1;
         self.rest.update(&self.craft);
         self.observe();
         let ending = self.ending();
-        let shaping = self.options.shaping * (self.potential() - potential);
+        // Both for the goal before the tick: a changed mind is neither progress nor loss.
+        let shaping = self.options.shaping * (self.potential(wanted) - potential);
         Step { reward: shaping + judge::worth(burnt, self.burning(), ending), ending }
     }
 
     fn observe(&mut self) {
         self.state = state::observe(&self.craft, &self.engines);
         self.shown = self.state.map(|value| value as f32);
+        self.goals_now = 0;
+        for pad in self.course.goals(self.tick) {
+            self.goals[self.goals_now] = self.layout.goals[pad];
+            self.goals_now += 1;
+        }
     }
 
-    fn potential(&self) -> f64 {
-        judge::potential(&self.state, self.goal_position(self.wanted))
+    /// The pad that the pilot wants now.
+    fn wanted(&self) -> usize {
+        self.told.unwrap_or_else(|| self.course.wanted(self.tick))
     }
 
-    fn goal_position(&self, goal: usize) -> [f64; 2] {
-        self.layout.goals[goal].position.map(f64::from)
+    fn potential(&self, pad: usize) -> f64 {
+        judge::potential(&self.state, self.layout.goals[pad].position.map(f64::from))
     }
 
     fn ending(&self) -> Option<Ending> {
@@ -159,7 +179,7 @@ impl FlagLander {
     }
 
     fn landing(&self) -> Option<Ending> {
-        let at_the_goal = self.layout.is_at(self.wanted, self.craft.hull().x.into());
+        let at_the_goal = self.layout.is_at(self.wanted(), self.craft.hull().x.into());
         match self.options.elsewhere {
             _ if at_the_goal => Some(Ending::Goal),
             Elsewhere::End => Some(Ending::Elsewhere),
@@ -170,7 +190,7 @@ impl FlagLander {
 
 impl Plant for FlagLander {
     fn reset(&mut self, seed: u64) {
-        let layout = Layout::draw(seed, self.options.pad_half_width);
+        let layout = Layout::draw(seed, self.options.pad_half_width, self.options.pads as usize);
         let start = layout.start_at_the_top(seed);
         self.restart(layout, &start, seed);
     }
@@ -188,12 +208,18 @@ impl Plant for FlagLander {
             state: &self.shown,
             position: [self.shown[state::X], self.shown[state::Y]],
             switches,
-            goals: &self.layout.goals,
+            goals: &self.goals[..self.goals_now],
         }
     }
 
     fn pilot_goal(&self) -> usize {
-        self.wanted
+        let wanted = self.wanted();
+        self.course.goals(self.tick).position(|pad| pad == wanted).unwrap_or(0)
+    }
+
+    fn wishes(&self) -> Vec<Wish> {
+        let wish = |&(from, pad): &(u32, usize)| Wish { from, goal: self.layout.goals[pad].id };
+        self.course.wishes().iter().map(wish).collect()
     }
 
     fn space(&self) -> &ActionSpace {
@@ -206,12 +232,22 @@ impl Plant for FlagLander {
 
     fn scene(&self) -> Scene {
         let Layout { surface, pads, goals, half_width, .. } = &*self.layout;
-        let parts = goals.iter().zip(pads).map(|(goal, &pad)| picture::pad(goal.id, pad, *half_width));
-        picture::scene(surface, parts)
+        let part = |pad: usize| picture::pad(goals[pad].id, pads[pad], *half_width);
+        let (fixed, passing): (Vec<usize>, Vec<usize>) =
+            (0..pads.len()).partition(|&pad| self.course.always(pad));
+        let mut scene = picture::scene(surface, fixed.into_iter().map(part));
+        scene.movable.extend(passing.into_iter().map(part));
+        scene
     }
 
+    /// Pads that come or go follow the craft's parts, and are not to be seen while they are no goals.
     fn poses(&self, poses: &mut Vec<Pose>) {
         picture::craft_poses(&self.craft, &self.engines, poses);
+        let passing = (0..self.layout.pads.len()).filter(|&pad| !self.course.always(pad));
+        poses.extend(passing.map(|pad| {
+            let is_goal = self.course.goals(self.tick).any(|goal| goal == pad);
+            Pose { x: 0.0, y: 0.0, angle_rad: 0.0, strength: f32::from(u8::from(is_goal)) }
+        }));
     }
 
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
@@ -219,19 +255,19 @@ impl Plant for FlagLander {
     }
 
     fn set_pilot_goal(&mut self, goal: usize) -> bool {
-        let known = goal < PADS;
-        if known {
-            self.wanted = goal;
+        let pad = self.course.goals(self.tick).nth(goal);
+        if pad.is_some() {
+            self.told = pad;
         }
-        known
+        pad.is_some()
     }
 
     fn reset_near_goal(&mut self, seed: u64, difficulty: f64) -> bool {
         if difficulty.is_nan() {
             return false;
         }
-        let layout = Layout::draw(seed, self.options.pad_half_width);
-        let pad = layout.pads[layout.pilot_goal];
+        let layout = Layout::draw(seed, self.options.pad_half_width, self.options.pads as usize);
+        let pad = layout.pads[layout.first_wish];
         let mut draws = Draws::fork(seed, purpose::START);
         let start = starts::near_goal(pad, &layout.surface, difficulty.clamp(0.0, 1.0), &mut draws);
         self.restart(layout, &start, seed);
@@ -244,7 +280,7 @@ impl Plant for FlagLander {
     }
 
     fn teacher(&mut self, goal: usize) -> Option<Action> {
-        let goal = (goal < PADS).then(|| self.goal_position(goal))?;
+        let goal = self.view().goals.get(goal)?.position.map(f64::from);
         let wanted = teacher::wanted(&self.state, goal);
         Some(self.options.actions.towards(wanted, self.burning()))
     }

@@ -128,6 +128,17 @@ pub struct Outcome {
     pub ending: Option<Ending>,
 }
 
+/// What a world does in one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// [`GymnasiumLander::step`].
+    Step(Action),
+    /// [`GymnasiumLander::reset`].
+    Reset(u64),
+    /// [`GymnasiumLander::restart`].
+    Restart,
+}
+
 /// The environment. A clone is a snapshot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GymnasiumLander {
@@ -180,44 +191,85 @@ impl GymnasiumLander {
 
     /// `reset(seed=seed)`: begins the episode that this seed fixes.
     pub fn reset(&mut self, seed: u64) -> Observation {
-        self.random = Generator::new(seed);
-        self.restart()
+        self.obey(Order::Reset(seed)).observation
     }
 
     /// `reset()`: begins another episode with the random numbers that follow.
     pub fn restart(&mut self) -> Observation {
+        self.obey(Order::Restart).observation
+    }
+
+    /// Begins the episode again from a start of one's own, with the legs hanging; ground, wind and random numbers go on.
+    /// Not in Gymnasium: for training that begins near the pad.
+    pub fn start_from(&mut self, start: &Start) -> Observation {
+        self.craft = Craft::place_hanging(&Ground::gymnasium(&self.heights), start, self.settings());
+        self.steer(Engines::OFF);
+        self.craft.coast();
+        self.first().observation
+    }
+
+    /// `step(action)`. After an ending the world goes on as Gymnasium's does; call [`GymnasiumLander::reset`] instead.
+    pub fn step(&mut self, action: Action) -> Outcome {
+        self.obey(Order::Step(action))
+    }
+
+    /// A whole tick.
+    fn obey(&mut self, order: Order) -> Outcome {
+        self.begin_tick(order);
+        self.craft.coast();
+        self.end_tick(order)
+    }
+
+    /// The part of a tick before time passes.
+    pub(crate) fn begin_tick(&mut self, order: Order) {
+        match order {
+            Order::Step(action) => return self.steer(action.engines()),
+            Order::Reset(seed) => self.random = Generator::new(seed),
+            Order::Restart => {}
+        }
+        self.place();
+        self.steer(Engines::OFF);
+    }
+
+    /// The part of a tick after time has passed: what it brought.
+    pub(crate) fn end_tick(&mut self, order: Order) -> Outcome {
+        match order {
+            Order::Step(action) => self.judge(action.engines()),
+            Order::Reset(_) | Order::Restart => self.first(),
+        }
+    }
+
+    /// The craft, for letting its time pass.
+    #[cfg(feature = "lanes")]
+    pub(crate) fn craft_mut(&mut self) -> &mut Craft {
+        &mut self.craft
+    }
+
+    fn settings(&self) -> Settings {
+        Settings { gravity: self.options.gravity, ..Settings::EXACT }
+    }
+
+    /// Draws a ground and a push, and puts a craft over it.
+    fn place(&mut self) {
         self.heights = draw_heights(&mut self.random);
         let mut start = Start::at(WORLD_WIDTH / 2.0, WORLD_HEIGHT);
         start.push = std::array::from_fn(|_| self.random.uniform(-INITIAL_PUSH, INITIAL_PUSH));
         if self.options.enable_wind {
             self.gusts = std::array::from_fn(|_| self.random.integers(-9999, 9999));
         }
-        let settings = Settings { gravity: self.options.gravity, ..Settings::EXACT };
-        self.craft = Craft::place(&Ground::gymnasium(&self.heights), &start, settings);
-        self.let_one_tick_pass()
+        self.craft = Craft::place(&Ground::gymnasium(&self.heights), &start, self.settings());
     }
 
-    /// Gymnasium does so and shows what came of it.
-    fn let_one_tick_pass(&mut self) -> Observation {
-        self.advance(Engines::OFF);
+    /// What a reset shows: Gymnasium lets one tick pass and begins to count after it.
+    fn first(&mut self) -> Outcome {
         self.ticks = 0;
         let state = self.state();
         self.shaping = shaping(&state);
-        observation(&state)
+        Outcome { observation: observation(&state), reward: 0.0, ending: None }
     }
 
-    /// Begins the episode again from a start of one's own, with the legs hanging; ground, wind and random numbers go on.
-    /// Not in Gymnasium: for training that begins near the pad.
-    pub fn start_from(&mut self, start: &Start) -> Observation {
-        let settings = Settings { gravity: self.options.gravity, ..Settings::EXACT };
-        self.craft = Craft::place_hanging(&Ground::gymnasium(&self.heights), start, settings);
-        self.let_one_tick_pass()
-    }
-
-    /// `step(action)`. After an ending the world goes on as Gymnasium's does; call [`GymnasiumLander::reset`] instead.
-    pub fn step(&mut self, action: Action) -> Outcome {
-        let engines = action.engines();
-        self.advance(engines);
+    /// Reward and ending of a tick in which these engines burned.
+    fn judge(&mut self, engines: Engines) -> Outcome {
         self.ticks += 1;
         let state = self.state();
         let shaping = shaping(&state);
@@ -259,11 +311,12 @@ impl GymnasiumLander {
         &self.craft
     }
 
-    fn advance(&mut self, engines: Engines) {
+    /// Draws the engines' scatter and lets engines and wind act.
+    fn steer(&mut self, engines: Engines) {
         let [wind_force, wind_torque] = self.wind();
         let draws = std::array::from_fn(|_| self.random.uniform(-1.0, 1.0));
         let dispersion = Dispersion::from_uniform(draws);
-        self.craft.tick(&Controls { engines, dispersion, wind_force, wind_torque });
+        self.craft.steer(&Controls { engines, dispersion, wind_force, wind_torque });
     }
 
     /// Force and torque of this tick; the patterns stand still while a leg touches.

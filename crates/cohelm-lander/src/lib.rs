@@ -13,6 +13,8 @@ pub mod pilots;
 pub mod random;
 #[cfg(feature = "recording")]
 pub mod recording;
+#[cfg(feature = "lanes")]
+pub mod together;
 
 use cohelm::registry::Plants;
 

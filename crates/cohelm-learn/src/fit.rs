@@ -14,7 +14,8 @@ use std::borrow::Cow;
 pub(crate) enum Aim {
     /// The position of the pilot's goal, by squared error: the paper's.
     Position,
-    /// A position and a spread by which the pilot's goal is likely, by cross-entropy.
+    /// A position and a spread by which the pilot's goal is likely: among the goals by cross-entropy, or, where goals
+    /// are hidden, among all places by its density.
     Likelihood,
 }
 
@@ -64,7 +65,7 @@ impl Fitting {
                 continue;
             }
             batch.forward(&self.network);
-            loss += differentiate(&mut batch, &chosen, aim, options.longest);
+            loss += differentiate(&mut batch, &chosen, aim, options);
             ticks += batch.total_ticks() as f64;
             batch.backward(&self.network, &mut gradient);
             let done = (f64::from(epoch) + i as f64 / batches as f64) / f64::from(options.epochs);
@@ -87,19 +88,25 @@ impl Fitting {
 }
 
 /// Writes the gradient of the mean loss a tick; returns the sum of the losses.
-fn differentiate(batch: &mut LstmBatch, chosen: &[Cow<'_, Sequence>], aim: Aim, longest: usize) -> f64 {
+fn differentiate(
+    batch: &mut LstmBatch,
+    chosen: &[Cow<'_, Sequence>],
+    aim: Aim,
+    options: &IntentOptions,
+) -> f64 {
     let weight = 1.0 / batch.total_ticks() as f32;
     let mut loss = 0.0;
-    let mut goals = Vec::new();
     for (s, sequence) in chosen.iter().enumerate() {
-        for tick in 0..sequence.ticks().min(longest) {
+        for tick in 0..sequence.ticks().min(options.longest) {
             let (outputs, gradient) = batch.output_and_gradient_mut(s, tick);
             loss += f64::from(match aim {
                 Aim::Position => mean_squared(outputs, &sequence.wanted(tick), weight, gradient),
+                Aim::Likelihood if options.goals_hidden => {
+                    goal_head::surprise(outputs, &sequence.wanted(tick), weight, gradient)
+                }
                 Aim::Likelihood => {
-                    goals.clear();
-                    goals.extend(sequence.goals(tick));
-                    goal_head::cross_entropy(outputs, &goals, sequence.truth, weight, gradient)
+                    let goals = sequence.goals(tick);
+                    goal_head::cross_entropy(outputs, goals, sequence.truth(tick), weight, gradient)
                 }
             });
         }

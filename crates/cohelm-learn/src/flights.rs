@@ -5,12 +5,12 @@ use crate::parallel;
 use crate::sequence::{Scribe, Sequence};
 use cohelm::arbitration::{DEFAULT_KAPPA, Rule};
 use cohelm::cockpit::Cockpit;
-use cohelm::intent::{Head, IntentModel, KnownGoal, NearestGoal};
+use cohelm::intent::{Head, IntentModel, NearestGoal, Told};
 use cohelm::pilot::{Pilot, Silent};
 use cohelm::plant::Ending;
 use cohelm::random::{Draws, mix_seed};
 use cohelm_copilot::Card;
-use cohelm_copilot::intent::NetworkIntent;
+use cohelm_copilot::intent::{ImaginedIntent, NetworkIntent};
 use cohelm_copilot::model::IntentNetworks;
 use cohelm_copilot::values::NetworkValues;
 use std::sync::Arc;
@@ -21,6 +21,8 @@ pub(crate) enum Guide {
     Nobody,
     Truth,
     Network(Box<Card>, Arc<IntentNetworks>, Head),
+    /// Networks that know no goals.
+    Imagined(Box<Card>, Arc<IntentNetworks>),
 }
 
 /// A flight to be flown.
@@ -58,18 +60,25 @@ fn fly(job: &Job<'_>, help: &Help<'_>, plan: &Plan) -> Result<Flight, LearnError
     let mut plant = job.plant()?;
     let seed = mix_seed(mix_seed(job.seed, EPISODES), plan.episode);
     plant.reset(seed >> 11);
+    let no_commands = || LearnError::NoCommands(job.task.plant.clone());
     let intent: Box<dyn IntentModel> = match &plan.guide {
         Guide::Nobody => Box::new(NearestGoal),
-        Guide::Truth => Box::new(KnownGoal(plant.pilot_goal())),
+        Guide::Truth => Box::new(Told::new(plant.wishes())),
         Guide::Network(card, networks, head) => {
             let intent = NetworkIntent::new(card, networks.clone(), *head);
-            Box::new(intent.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))?)
+            Box::new(intent.ok_or_else(no_commands)?)
+        }
+        Guide::Imagined(card, networks) => {
+            Box::new(ImaginedIntent::new(card, networks.clone()).ok_or_else(no_commands)?)
         }
     };
     let arbiter = plan.rule.arbiter(help.median_range);
     let arbiter =
         arbiter.map_err(|error| LearnError::Option { option: "values", reason: error.to_string() })?;
     let mut cockpit = Cockpit::new(intent, Box::new(help.values.clone()), arbiter);
+    if matches!(plan.guide, Guide::Imagined(..)) {
+        cockpit = cockpit.with_goals_hidden();
+    }
     let mut pilot: Box<dyn Pilot> = match plan.pilot {
         Some(number) => (help.pilots)(plant.as_ref(), number).map_err(LearnError::Pilot)?,
         None => Box::new(Silent),
@@ -80,10 +89,9 @@ fn fly(job: &Job<'_>, help: &Help<'_>, plan: &Plan) -> Result<Flight, LearnError
     let mut right = Vec::new();
     loop {
         scribe.look(plant.as_ref());
-        let wanted = plant.pilot_goal();
         let tick = cockpit.tick(plant.as_mut(), pilot.as_mut());
         scribe.note(tick.asked);
-        right.push(tick.belief.goal == wanted);
+        right.push(tick.right);
         if let Some(ending) = tick.step.ending {
             return Ok(Flight { sequence: scribe.finish(), ending, right });
         }

@@ -53,7 +53,7 @@ pub struct TrainedIntent {
 /// Flights under minimal intervention (Eqs. 3–4) with one head in the loop and pilots it never met.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosedLoop {
-    /// Which head.
+    /// Which head; where goals are hidden, the calibrated one, whose spread is the confidence.
     pub head: Head,
     /// Episodes flown.
     pub episodes: usize,
@@ -136,7 +136,7 @@ impl<'a> Training<'a> {
             median_range: values.card().median_range.unwrap_or(f64::NAN),
             pilots,
         };
-        let card = card(job, json!({ "training": options, "values": values.hash() }))?;
+        let card = card(job, json!({ "training": options, "values": values.hash() }), options.goals_hidden)?;
         Ok(Self {
             job,
             options,
@@ -170,6 +170,9 @@ impl<'a> Training<'a> {
             .collect();
         let flights = fly_all(self.job, &self.help, &plans)?;
         self.sequences.extend(flights.into_iter().map(|flight| flight.sequence));
+        if round == 0 && self.options.goals_hidden {
+            self.card.goal_spread = Some(goal_spread(&self.sequences));
+        }
         self.episodes += episodes as u64;
         self.profile.fly += begun.elapsed();
         Ok(())
@@ -177,8 +180,20 @@ impl<'a> Training<'a> {
 
     /// Every rule with every head, so that the network meets whatever it may cause.
     fn kinds_with(&self, networks: &Arc<IntentNetworks>) -> Vec<(Rule, Guide)> {
-        let guide = |head| Guide::Network(Box::new(self.card.clone()), networks.clone(), head);
-        RULES.into_iter().flat_map(|rule| Head::ALL.map(|head| (rule, guide(head)))).collect()
+        let guides = self.guides(networks);
+        RULES
+            .into_iter()
+            .flat_map(|rule| guides.iter().map(move |(_, guide)| (rule, guide.clone())))
+            .collect()
+    }
+
+    /// What the networks can be in the loop: under every head, or imagining a goal.
+    fn guides(&self, networks: &Arc<IntentNetworks>) -> Vec<(Head, Guide)> {
+        let card = || Box::new(self.card.clone());
+        if self.options.goals_hidden {
+            return vec![(Head::Calibrated, Guide::Imagined(card(), networks.clone()))];
+        }
+        Head::ALL.map(|head| (head, Guide::Network(card(), networks.clone(), head))).into()
     }
 
     /// Fits both networks, from nothing, to all flights so far.
@@ -282,8 +297,7 @@ impl<'a> Training<'a> {
 
     fn test(&self, networks: &Arc<IntentNetworks>) -> Result<(Vec<ClosedLoop>, Vec<Sequence>), LearnError> {
         let (mut closed_loop, mut sequences) = (Vec::new(), Vec::new());
-        for head in Head::ALL {
-            let guide = Guide::Network(Box::new(self.card.clone()), networks.clone(), head);
+        for (head, guide) in self.guides(networks) {
             let episodes = self.options.test_pilots * self.options.test_episodes as u64;
             let plans: Vec<Plan> = (0..episodes)
                 .map(|i| Plan {
@@ -382,11 +396,21 @@ fn values_of(job: &Job<'_>, model: &Model) -> Result<NetworkValues, LearnError> 
     values.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))
 }
 
-/// The card of intent networks for the job's plant, without scores.
-pub(crate) fn card(job: &Job<'_>, options: Value) -> Result<Card, LearnError> {
+/// Standard deviation of the pilots' goals from their mean, along an axis.
+pub(crate) fn goal_spread(sequences: &[Sequence]) -> f64 {
+    let flights = sequences.iter().filter(|sequence| sequence.ticks() > 0);
+    let wanted: Vec<[f64; 2]> = flights.map(|sequence| sequence.wanted(0).map(f64::from)).collect();
+    let n = wanted.len().max(1) as f64;
+    let mean = [0, 1].map(|i| wanted.iter().map(|at| at[i]).sum::<f64>() / n);
+    let square = |at: &[f64; 2]| [0, 1].map(|i| (at[i] - mean[i]) * (at[i] - mean[i])).iter().sum::<f64>();
+    (wanted.iter().map(square).sum::<f64>() / (2.0 * n)).sqrt()
+}
+
+/// The card of intent networks for the job's plant, without scores. Where goals are hidden, its spread is still to come.
+pub(crate) fn card(job: &Job<'_>, options: Value, goals_hidden: bool) -> Result<Card, LearnError> {
     let plant = job.plant()?;
     let view = plant.view();
-    if view.goals.len() < 2 {
+    if view.goals.len() < if goals_hidden { 1 } else { 2 } {
         let reason =
             format!("{:?} has {} goals; there is nothing to infer", job.task.plant, view.goals.len());
         return Err(LearnError::Option { option: "task", reason });
@@ -399,7 +423,8 @@ pub(crate) fn card(job: &Job<'_>, options: Value) -> Result<Card, LearnError> {
         plant_version: job.plants.entry(job.task)?.version,
         space: plant.space().clone(),
         state: view.state.len(),
-        goals: view.goals.len(),
+        goals: if goals_hidden { 0 } else { view.goals.len() },
+        goal_spread: None,
         encoder_version: INTENT_VERSION,
         sees_asked: false,
         free_outputs: false,

@@ -23,6 +23,10 @@ pub struct IntentOptions {
     /// Learns every second flight in the plant's mirror, if it has one: each flight teaches two, and left and right
     /// come out alike.
     pub mirror: bool,
+    /// Hides the goals: the networks see commands and motion alone and learn to imagine a goal, with a spread that says
+    /// how far off it may be. What comes out serves the inference `imagined` and no other.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub goals_hidden: bool,
     /// Cells of the LSTMs.
     pub cells: usize,
     /// Times that each fit goes through all flights.
@@ -50,6 +54,7 @@ impl Default for IntentOptions {
             round_episodes: 1500,
             silent: 0.0,
             mirror: true,
+            goals_hidden: false,
             cells: 64,
             epochs: 15,
             batch: 32,

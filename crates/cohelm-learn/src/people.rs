@@ -1,7 +1,7 @@
 //! Intent from recorded flights of people.
 
 use crate::fit::{Aim, Fitting, School};
-use crate::intent::{card, check, fit_epoch, mirror, score_all, shape};
+use crate::intent::{card, check, fit_epoch, goal_spread, mirror, score_all, shape};
 use crate::intent_options::IntentOptions;
 use crate::job::{Job, LearnError};
 use crate::progress::{Progress, Watch};
@@ -70,7 +70,10 @@ pub fn train_intent_from(
     let (train, test) = (of(&learnt_from)?, of(&held_out)?);
     let options_of_card = json!({ "training": options, "participants": learnt_from.len(), "flights": train.len(),
         "began_with": begin_with.map(Model::hash) });
-    let card = card(job, options_of_card)?;
+    let card = Card {
+        goal_spread: options.goals_hidden.then(|| goal_spread(&train)),
+        ..card(job, options_of_card, options.goals_hidden)?
+    };
     let mut fittings = begin(job, &card, options, begin_with)?;
     let mirror = mirror(job, options)?;
     let school = School { sequences: &train, mirror: mirror.as_ref(), options };
@@ -160,7 +163,9 @@ fn begin(
         && model.card().state == card.state
         && model.card().goals == card.goals;
     if !fits {
-        return Err(wrong(format!("{name:?} is for another plant or set of actions")));
+        return Err(wrong(format!(
+            "{name:?} is for another plant or set of actions, or was trained with other sight of the goals"
+        )));
     }
     Ok([&networks.regression, &networks.calibrated].map(|network| Fitting::begin(network.clone(), options)))
 }

@@ -80,9 +80,10 @@ fn beliefs(networks: &IntentNetworks, head: Head, sequence: &Sequence) -> Vec<Be
     let mut at = |tick: usize| {
         let outputs = network.step(&sequence.row(tick)[..network.shape().input()], &mut state);
         let spread = outputs.get(2).map_or(1.0, |&ln| exp(ln.clamp(-LN_SIGMA_MOST, LN_SIGMA_MOST)));
-        let goals: Vec<Goal> = sequence.goals(tick).map(|position| Goal { id: 0, position }).collect();
+        let goals: Vec<Goal> =
+            sequence.goals(tick).iter().map(|&position| Goal { id: 0, position }).collect();
         let belief = head.belief(&goals, [outputs[0], outputs[1]], spread);
-        Believed { tick: (tick as u32 + 1) * INTENT_TICKS, belief, truth: sequence.truth }
+        Believed { tick: (tick as u32 + 1) * INTENT_TICKS, belief, truth: sequence.truth(tick) }
     };
     (0..sequence.ticks()).map(&mut at).collect()
 }

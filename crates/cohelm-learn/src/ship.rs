@@ -36,10 +36,18 @@ pub struct Recipe {
     /// The seed.
     pub seed: u64,
     /// A preset of [`ValueOptions::preset`].
+    #[serde(default = "usual_preset")]
     pub preset: String,
+    /// Name of an earlier recipe, for whose values intent is trained; then no values are.
+    #[serde(default)]
+    pub values_of: Option<String>,
     /// Options of intent training, if it gets an intent model of its own.
     #[serde(default)]
     pub intent: Option<IntentOptions>,
+}
+
+fn usual_preset() -> String {
+    "default".into()
 }
 
 /// One shipped file.
@@ -78,16 +86,32 @@ pub fn ship(yard: &Yard<'_>, recipe: &Recipe, watch: Watch<'_>) -> Result<Vec<Sh
         variant: recipe.variant.as_deref(),
     };
     let pilots = |plant: &dyn Plant, number: u64| (yard.pilots)(&recipe.task, plant, number);
-    let options = ValueOptions::preset(&recipe.preset)?;
-    let trained = train_values(&job, &options, Some(&pilots), watch)?.model;
-    let fresh = evaluate(&job, &trained, FRESH_SET, FRESH_EPISODES)?;
-    let values = with_score(&trained, "fresh", json!(fresh))?;
-    let mut shipped = vec![write(yard.folder, values.clone(), Some(fresh))?];
+    let mut shipped = Vec::new();
+    let values = match &recipe.values_of {
+        Some(name) => read(&yard.folder.join(format!("{name}.values.safetensors")))?,
+        None => {
+            let options = ValueOptions::preset(&recipe.preset)?;
+            let trained = train_values(&job, &options, Some(&pilots), watch)?.model;
+            let fresh = evaluate(&job, &trained, FRESH_SET, FRESH_EPISODES)?;
+            let values = with_score(&trained, "fresh", json!(fresh))?;
+            shipped.push(write(yard.folder, values.clone(), Some(fresh))?);
+            values
+        }
+    };
     if let Some(options) = &recipe.intent {
         let intent = train_intent(&job, &values, options, &pilots, watch)?;
         shipped.push(write(yard.folder, intent.model, None)?);
     }
     Ok(shipped)
+}
+
+/// Reads a model that another recipe has made.
+fn read(path: &Path) -> Result<Model, LearnError> {
+    let bytes = std::fs::read(path).map_err(|error| LearnError::Option {
+        option: "values_of",
+        reason: format!("{}: {error}; its recipe has to come before", path.display()),
+    })?;
+    Ok(Model::from_bytes(&bytes)?)
 }
 
 /// The same model with one more score on its card.

@@ -346,6 +346,7 @@ impl<'a> Training<'a> {
             space: plant.space().clone(),
             state: plant.view().state.len(),
             goals: plant.view().goals.len(),
+            goal_spread: None,
             encoder_version: VALUES_VERSION,
             sees_asked: self.options.sees_asked,
             free_outputs: self.outputs != Outputs::of(plant.space()).unwrap_or(self.outputs),

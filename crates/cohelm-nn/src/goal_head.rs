@@ -80,3 +80,23 @@ pub fn cross_entropy(
     gradient.copy_from_slice(&d);
     largest + crate::math::ln(sum) - gaussian.logit(&goals[truth])
 }
+
+/// −ln of the Gaussian's density at `target`, but for a constant: |target − μ|² / (2σ²) + 2 ln σ. Writes `weight` times the
+/// gradient at the three outputs. For a network that knows no goals: σ learns how far off the position is.
+///
+/// Beyond its range ln σ has no gradient except back into it.
+///
+/// # Panics
+/// If outputs and gradient are not [`OUTPUTS`].
+#[cfg(feature = "train")]
+pub fn surprise(outputs: &[f32], target: &[f32; 2], weight: f32, gradient: &mut [f32]) -> f32 {
+    let gaussian = Gaussian::from_outputs(outputs);
+    let logit = gaussian.logit(target);
+    let pull = |i: usize| -weight * gaussian.precision * (target[i] - gaussian.mean[i]);
+    let mut of_spread = weight * (2.0 + 2.0 * logit);
+    if outputs[2].abs() > LN_SIGMA_MOST && of_spread * outputs[2] < 0.0 {
+        of_spread = 0.0;
+    }
+    gradient.copy_from_slice(&[pull(0), pull(1), of_spread]);
+    2.0 * outputs[2].clamp(-LN_SIGMA_MOST, LN_SIGMA_MOST) - logit
+}

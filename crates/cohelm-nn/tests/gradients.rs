@@ -181,6 +181,19 @@ fn calibrated_head() {
 }
 
 #[test]
+fn imagining_head() {
+    for ln_sigma in [-1.0, 0.0, 1.5] {
+        let mut outputs = [0.1, -0.3, ln_sigma];
+        let mut gradient = [0.0; 3];
+        goal_head::surprise(&outputs, &[0.75, -0.2], 0.5, &mut gradient);
+        let mut unused = [0.0; 3];
+        assert_gradient(&mut outputs, &gradient, |o| {
+            f64::from(0.5 * goal_head::surprise(o, &[0.75, -0.2], 0.5, &mut unused))
+        });
+    }
+}
+
+#[test]
 fn calibrated_head_out_of_range_is_pulled_back_only() {
     let goals = [[0.0, 0.0], [1.0, 0.0]];
     let mut gradient = [0.0; 3];

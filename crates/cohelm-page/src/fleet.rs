@@ -7,7 +7,7 @@ use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
 use cohelm::registry::{PlantEntry, Plants};
-use cohelm::trajectory::{MAX_SEED, Setup};
+use cohelm::trajectory::{MAX_SEED, Setup, Trajectory};
 use cohelm::value::ValueModel;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Models, Network, cockpit};
@@ -41,7 +41,24 @@ impl Crew {
         if setup.seed > MAX_SEED {
             return Err(PageError::Seed(setup.seed));
         }
-        let mut plant = plants.make(&setup.task)?;
+        Self::with(setup, plants.make(&setup.task)?, plants, models)
+    }
+
+    /// The plant and the cockpit that fly a record again.
+    pub fn again(record: &Trajectory, plants: &Plants, models: &Models) -> Result<Self, PageError> {
+        if record.setup.seed > MAX_SEED {
+            return Err(PageError::Seed(record.setup.seed));
+        }
+        let (plant, plants) = record.plant(plants)?;
+        Self::with(&record.setup, plant, &plants, models)
+    }
+
+    fn with(
+        setup: &Setup,
+        mut plant: Box<dyn Plant>,
+        plants: &Plants,
+        models: &Models,
+    ) -> Result<Self, PageError> {
         plant.reset(setup.seed);
         let cockpit = cockpit(setup, plant.as_ref(), plants, models)?;
         let values = setup.values.as_ref().and_then(|hash| models.get(hash));

@@ -114,7 +114,12 @@ impl Default for Page {
 impl Page {
     /// Shows nothing yet.
     pub fn new() -> Self {
-        Self { plants: plants(), models: Models::new(), showing: Showing::Nothing }
+        Self::with_plants(plants())
+    }
+
+    /// The same for other plants, before they are among the page's own.
+    pub fn with_plants(plants: Plants) -> Self {
+        Self { plants, models: Models::new(), showing: Showing::Nothing }
     }
 
     /// The plants there are.
@@ -230,7 +235,7 @@ impl Page {
     /// A record, and what can fly it again. A plant takes only actions of its own space, so others are refused here.
     fn crew_of(&self, trajectory: &[u8]) -> Result<(Trajectory, Crew), PageError> {
         let trajectory = Trajectory::from_bytes(trajectory)?;
-        let crew = Crew::of(&trajectory.setup, &self.plants, &self.models)?;
+        let crew = Crew::again(&trajectory, &self.plants, &self.models)?;
         let space = crew.plant.space();
         let mut actions = trajectory.asked.iter().chain(&trajectory.executed).flatten();
         match actions.find(|action| !space.contains(**action)) {

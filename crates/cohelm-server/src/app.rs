@@ -10,6 +10,7 @@ mod tests;
 pub(crate) use problem::Problem;
 pub(crate) use rights::{Asking, OfStudy, Who};
 
+use crate::external;
 use crate::hosts::same_origin;
 use crate::server::Server;
 use crate::study::{desk, flights, join, page as participant, watch};
@@ -51,6 +52,8 @@ fn table() -> Vec<Route> {
     vec![
         route("GET", "/healthz", Anyone, get(api::health)),
         route("WS", "/ws", Flyer, get(socket::upgrade)),
+        route("WS", "/ws/external", Flyer, get(external::upgrade)),
+        route("GET", "/api/external", Flyer, get(external::about)),
         route("GET", "/api/plants", Flyer, get(api::plants)),
         route("GET", "/api/models", Flyer, get(api::models)),
         route("GET", "/api/models/{hash}", Flyer, get(api::model)),

@@ -13,6 +13,7 @@
 //! | [`follow`] | the page's key log flown again, which must give the same bits |
 //! | [`hangar`] | what can be flown here: plants and models |
 //! | `lease` | one connection a flight |
+//! | [`external`] | a plant elsewhere, whose loop runs here |
 //! | [`store`] | where episodes and models are kept |
 //! | [`mod@recover`] | flights that were interrupted |
 //! | [`verify`] | every stored episode flown again |
@@ -26,11 +27,14 @@
 //! | [`tls`] | TLS of the server's own |
 //! | `visit` | a participant without a browser, for dry runs and for measuring (feature `visit`) |
 //!
+//! Where a plant is elsewhere, the loop runs here instead, and the page steers and shows.
+//!
 //! It knows no plant and trains nothing; no request reaches the file system, and none makes it panic.
 #![forbid(unsafe_code)]
 
 pub mod app;
 mod cookies;
+pub mod external;
 pub mod follow;
 pub mod hangar;
 pub mod hosts;

@@ -1,5 +1,6 @@
 //! What all connections share.
 
+use crate::external::Elsewhere;
 use crate::hangar::Hangar;
 use crate::hosts::Hosts;
 use crate::learn::{Learning, Lessons};
@@ -54,6 +55,7 @@ pub enum StartError {
 #[derive(Clone)]
 pub struct Server {
     shared: Arc<Shared>,
+    elsewhere: Option<Elsewhere>,
 }
 
 struct Shared {
@@ -108,7 +110,16 @@ impl Server {
             closing: CancellationToken::new(),
             connections: TaskTracker::new(),
         };
-        Ok(Self { shared: Arc::new(shared) })
+        Ok(Self { shared: Arc::new(shared), elsewhere: None })
+    }
+
+    /// The same, where a plant is flown that is elsewhere.
+    pub fn with_plant_elsewhere(self, plant: Elsewhere) -> Self {
+        Self { elsewhere: Some(plant), ..self }
+    }
+
+    pub(crate) fn elsewhere(&self) -> Option<&Elsewhere> {
+        self.elsewhere.as_ref()
     }
 
     /// Where episodes and models are kept.

@@ -8,7 +8,8 @@ use crate::hangar::{Hangar, HangarError};
 use crate::store::{Episode, EpisodeId, Page, Progress, StoreError, unpack};
 use cohelm::flight::{Replay, replay};
 use cohelm::registry::Plants;
-use cohelm::trajectory::{FORMAT_VERSION, Trajectory, TrajectoryError};
+use cohelm::tape;
+use cohelm::trajectory::{FORMAT_VERSION, TAPED_FORMAT_VERSION, Trajectory, TrajectoryError};
 use cohelm_copilot::{CockpitError, Models};
 use futures_util::{StreamExt, TryStreamExt, stream};
 use serde::Serialize;
@@ -25,6 +26,9 @@ const ROWS: u32 = 500;
 pub enum Verdict {
     /// Every bit is the same.
     Identical,
+    /// The plant was elsewhere, so nothing flies it again: its recorded states are whole, and from them the decisions and
+    /// the requests come out the same.
+    AsRecorded,
     /// Something differs.
     Different {
         /// What.
@@ -54,11 +58,13 @@ pub struct Report {
     pub finished: usize,
     /// Those of which every bit is the same.
     pub identical: usize,
+    /// Those of plants that were elsewhere, whose decisions and requests are identical from the recorded states.
+    pub as_recorded: usize,
     /// Those in the air or interrupted, which have no record yet.
     pub in_the_air: usize,
     /// Those that were refused when they were flown.
     pub refused: usize,
-    /// Every finished episode that is not identical, and why; in the order of their numbers.
+    /// Every finished episode that is neither, and why; in the order of their numbers.
     pub others: Vec<(EpisodeId, Verdict)>,
 }
 
@@ -77,6 +83,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "finished episodes      {:>8}", self.finished)?;
         writeln!(f, "  identical            {:>8}", self.identical)?;
+        writeln!(f, "  from recorded states {:>8}", self.as_recorded)?;
         writeln!(f, "  different            {:>8}", self.count(|v| matches!(v, Verdict::Different { .. })))?;
         writeln!(
             f,
@@ -102,6 +109,9 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Identical => write!(f, "identical"),
+            Self::AsRecorded => {
+                write!(f, "decided identically from the recorded states of a plant elsewhere")
+            }
             Self::Different { what } => write!(f, "different: {what}"),
             Self::OtherVersion { version } => write!(f, "of another version: {version}"),
             Self::ModelMissing { model } => {
@@ -124,10 +134,13 @@ pub async fn verify_episodes(hangar: &Hangar) -> Result<Report, StoreError> {
         let cores = available_parallelism().map_or(1, NonZeroUsize::get);
         let verdicts = stream::iter(finished.collect::<Vec<_>>()).map(|row| verify_episode(hangar, row));
         let verdicts: Vec<_> = verdicts.buffered(cores).try_collect().await?;
-        let (identical, others): (Vec<_>, Vec<_>) =
-            verdicts.into_iter().partition(|(_, verdict)| *verdict == Verdict::Identical);
-        report.identical += identical.len();
-        report.others.extend(others);
+        for (id, verdict) in verdicts {
+            match verdict {
+                Verdict::Identical => report.identical += 1,
+                Verdict::AsRecorded => report.as_recorded += 1,
+                other => report.others.push((id, other)),
+            }
+        }
     }
     report.others.sort_by_key(|(id, _)| *id);
     Ok(report)
@@ -173,9 +186,11 @@ pub async fn verify_episode(hangar: &Hangar, row: Episode) -> Result<(EpisodeId,
 fn open(row: &Episode, packed: &[u8], plants: &Plants) -> Result<Trajectory, Verdict> {
     let unreadable = |reason: String| Verdict::Unreadable { reason };
     let other_version = |version: String| Verdict::OtherVersion { version };
-    if row.format != FORMAT_VERSION {
+    if ![FORMAT_VERSION, TAPED_FORMAT_VERSION].contains(&row.format) {
         return Err(other_version(format!("format {}, here {FORMAT_VERSION}", row.format)));
     }
+    let elsewhere = tape::plants();
+    let plants = if row.plant == tape::PLANT { &elsewhere } else { plants };
     let here = plants.entries().iter().find(|entry| entry.name == row.plant).map(|entry| entry.version);
     if here != Some(row.plant_version) {
         let here = here.map_or("there is none".into(), |version| format!("it is {version}"));
@@ -198,11 +213,12 @@ fn open(row: &Episode, packed: &[u8], plants: &Plants) -> Result<Trajectory, Ver
 
 fn fly_again(flown: &Trajectory, plants: &Plants, models: &Models) -> Verdict {
     let unreadable = |reason: String| Verdict::Unreadable { reason };
-    let mut plant = match plants.make(&flown.setup.task) {
-        Ok(plant) => plant,
+    let (mut plant, plants) = match flown.plant(plants) {
+        Ok(made) => made,
         Err(error) => return unreadable(error.to_string()),
     };
-    let (mut cockpit, missing) = match cohelm_copilot::cockpit(&flown.setup, plant.as_ref(), plants, models) {
+    let (mut cockpit, missing) = match cohelm_copilot::cockpit(&flown.setup, plant.as_ref(), &plants, models)
+    {
         Ok(cockpit) => (Some(cockpit), None),
         Err(error @ CockpitError::NoModel { .. }) => (None, Some(error.to_string())),
         Err(error) => return unreadable(error.to_string()),
@@ -211,6 +227,7 @@ fn fly_again(flown: &Trajectory, plants: &Plants, models: &Models) -> Verdict {
     match (seen.identical(), missing) {
         (false, _) => Verdict::Different { what: differences(&seen) },
         (true, Some(model)) => Verdict::ModelMissing { model },
+        (true, None) if flown.tape.is_some() => Verdict::AsRecorded,
         (true, None) => Verdict::Identical,
     }
 }

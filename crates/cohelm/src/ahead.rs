@@ -5,7 +5,8 @@
 
 use crate::action::Action;
 use crate::arbitration::LookAhead;
-use crate::plant::{Ending, Plant};
+use crate::intent::Belief;
+use crate::plant::{Ending, Plant, View};
 use crate::value::ValueModel;
 use std::cell::RefCell;
 
@@ -14,19 +15,19 @@ pub struct Ahead<'a> {
     plant: &'a dyn Plant,
     // A rule gets nothing that it could change, but a value model works in memory of its own.
     robot: RefCell<&'a mut dyn ValueModel>,
-    goal: usize,
+    belief: &'a Belief,
     candidates: &'a [Action],
 }
 
 impl<'a> Ahead<'a> {
-    /// From where `plant` is now; `robot` flies to the goal of that index after one of the candidates.
+    /// From where `plant` is now; `robot` flies to the goal that is taken, or imagined, after one of the candidates.
     pub fn new(
         plant: &'a dyn Plant,
         robot: &'a mut dyn ValueModel,
-        goal: usize,
+        belief: &'a Belief,
         candidates: &'a [Action],
     ) -> Self {
-        Self { plant, robot: RefCell::new(robot), goal, candidates }
+        Self { plant, robot: RefCell::new(robot), belief, candidates }
     }
 }
 
@@ -35,13 +36,18 @@ impl LookAhead for Ahead<'_> {
         let (Some(mut copy), Some(&held)) = (self.plant.snapshot(), self.candidates.get(candidate)) else {
             return false;
         };
-        copy.set_pilot_goal(self.goal);
+        let goals = self.plant.view().goals;
+        let taken = self.belief.goal_among(goals);
+        copy.set_pilot_goal(taken);
+        // The robot sees this one goal, whichever come and go on the way.
+        let goal = self.belief.imagined_goal().or(goals.get(taken));
+        let goal = goal.map_or(&[][..], std::slice::from_ref);
         for tick in 0..horizon {
             let action = if tick < hold {
                 held
             } else {
                 let mut robot = self.robot.borrow_mut();
-                let values = robot.estimate(&copy.view(), self.goal, None);
+                let values = robot.estimate(&View { goals: goal, ..copy.view() }, 0, None);
                 values.candidates()[values.best()]
             };
             match copy.step(Some(action)).ending {

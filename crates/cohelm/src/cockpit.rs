@@ -15,6 +15,7 @@ pub struct Cockpit {
     values: Box<dyn ValueModel>,
     arbiter: Box<dyn Arbiter>,
     silence: Silence,
+    hides_goals: bool,
     likeness: Vec<Likeness>,
     allowed: Vec<bool>,
     now: ActionValues,
@@ -42,6 +43,9 @@ pub struct Tick<'a> {
     pub asked: Option<Action>,
     /// What the co-pilot believed about the pilot's goal.
     pub belief: Belief,
+    /// Whether the goal that was taken for the pilot's was its own, at this tick; of an imagined goal, whether the pilot's
+    /// own is the nearest to it. For judges: no part of the co-pilot learns it.
+    pub right: bool,
     /// What every candidate was worth for the inferred goal.
     pub values: &'a ActionValues,
     /// Which candidates passed the rule's threshold (A_threshold), in their order.
@@ -73,6 +77,7 @@ impl Cockpit {
             values,
             arbiter,
             silence: Silence::Best,
+            hides_goals: false,
             likeness: Vec::new(),
             allowed: Vec::new(),
             now: ActionValues::none_yet(),
@@ -92,6 +97,13 @@ impl Cockpit {
         self
     }
 
+    /// The same, but intent and values see no goal of the plant's: intent may imagine one
+    /// ([`Belief::imagined`]), which is then the only goal that the values see.
+    pub fn with_goals_hidden(mut self) -> Self {
+        self.hides_goals = true;
+        self
+    }
+
     /// Begins an episode.
     pub fn begin(&mut self) {
         self.intent.begin();
@@ -101,8 +113,20 @@ impl Cockpit {
     /// Sees a tick that another cockpit flies: it infers the intent from what is asked there, and decides nothing. Who has
     /// looked on from the beginning of an episode knows at any later tick what it would have known.
     pub fn look_on(&mut self, plant: &dyn Plant, asked: Option<Action>, executed: Option<Action>) {
-        self.intent.infer(&plant.view(), asked);
+        let view = self.seen(plant.view());
+        self.intent.infer(&view, asked);
         self.last = Some(last(plant, asked, executed));
+    }
+
+    /// What intent sees of a view.
+    fn seen<'a>(&self, view: View<'a>) -> View<'a> {
+        if self.hides_goals { View { goals: &[], ..view } } else { view }
+    }
+
+    /// What values see of a view: the goal that is imagined, if one is.
+    fn seen_with<'a>(&self, belief: &'a Belief, view: View<'a>) -> View<'a> {
+        let seen = self.seen(view);
+        View { goals: belief.imagined_goal().map_or(seen.goals, std::slice::from_ref), ..seen }
     }
 
     /// One tick: the pilot asks; the co-pilot infers the intent and estimates values for it; arbitration decides; the
@@ -110,9 +134,12 @@ impl Cockpit {
     pub fn tick(&mut self, plant: &mut dyn Plant, pilot: &mut dyn Pilot) -> Tick<'_> {
         let view = plant.view();
         let tick = view.tick;
-        let asked = pilot.ask(&view, plant.pilot_goal());
-        let belief = self.intent.infer(&view, asked);
-        self.now.copy_from(self.values.estimate(&view, belief.goal, asked));
+        let wanted = plant.pilot_goal();
+        let asked = pilot.ask(&view, wanted);
+        let belief = self.intent.infer(&self.seen(view), asked);
+        let right = wanted < view.goals.len() && belief.goal_among(view.goals) == wanted;
+        let seen = self.seen_with(&belief, view);
+        self.now.copy_from(self.values.estimate(&seen, belief.goal, asked));
         self.allowed.clear();
         self.allowed.resize(self.now.candidates().len(), false);
         let executed = if asked.is_none() && self.silence == Silence::Nothing {
@@ -125,7 +152,7 @@ impl Cockpit {
         self.last = Some(last(plant, asked, executed));
         let step = plant.step(executed);
         let (values, allowed) = (&self.now, &self.allowed);
-        Tick { tick, asked, belief, values, allowed, executed, intervention, step }
+        Tick { tick, asked, belief, right, values, allowed, executed, intervention, step }
     }
 
     /// Sets the stage for the rule, with what it needs, and carries out what it picks.
@@ -133,11 +160,12 @@ impl Cockpit {
         let needs = self.arbiter.needs();
         compare(plant, &self.now, asked, &mut self.likeness);
         let of_goals = if needs.every_goal {
-            self.of_goals.fill(self.values.as_mut(), &plant.view(), self.now.candidates(), asked)
+            let seen = self.seen_with(belief, plant.view());
+            self.of_goals.fill(self.values.as_mut(), &seen, self.now.candidates(), asked)
         } else {
             None
         };
-        let ahead = Ahead::new(plant, self.values.as_mut(), belief.goal, self.now.candidates());
+        let ahead = Ahead::new(plant, self.values.as_mut(), belief, self.now.candidates());
         let stage = Stage {
             values: &self.now,
             likeness: asked.map(|_| self.likeness.as_slice()),

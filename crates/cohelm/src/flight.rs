@@ -79,7 +79,8 @@ impl Flight {
 
     /// The record; an episode that had not ended is abandoned.
     pub fn finish(self) -> Trajectory {
-        self.recorder.finish(self.setup, self.keys)
+        let tape = self.plant.tape().cloned();
+        Trajectory { tape, ..self.recorder.finish(self.setup, self.keys) }
     }
 }
 

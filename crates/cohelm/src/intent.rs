@@ -1,13 +1,25 @@
 //! Which goal the pilot wants, and how sure that is (Section III-A).
 
+mod bayesian;
+mod product;
+
+pub use bayesian::{Evidence, EvidenceError, ValueIntent};
+pub use product::Product;
+
 use crate::action::Action;
-use crate::plant::{Goal, View, nearest};
+use crate::plant::{Goal, View, Wish, nearest};
 use serde::{Deserialize, Serialize};
 
 /// Most goals there can be at one moment.
 pub const MAX_GOALS: usize = 8;
 
+/// The id of a goal that is imagined; no plant's goal may have it.
+pub const IMAGINED: u32 = u32::MAX;
+
 /// What the co-pilot believes about the pilot's goal.
+///
+/// Probabilities are those of the goals of the moment, in their order; they sum to one unless there is no goal at all. A
+/// co-pilot that knows no goals imagines one: then it is the only goal there is for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belief {
     probabilities: [f32; MAX_GOALS],
@@ -16,6 +28,7 @@ pub struct Belief {
     pub goal: usize,
     /// c of Eq. 1, in [0, 1].
     pub confidence: f32,
+    imagined: Option<Goal>,
 }
 
 impl Belief {
@@ -28,7 +41,7 @@ impl Belief {
         let goal = (1..goals).fold(0, |best, i| if kept[i] > kept[best] { i } else { best });
         let smallest = kept[..goals].iter().copied().fold(f32::INFINITY, f32::min);
         let confidence = if goals == 1 { 1.0 } else { (kept[goal] - smallest).clamp(0.0, 1.0) };
-        Self { probabilities: kept, goals, goal, confidence }
+        Self { probabilities: kept, goals, goal, confidence, imagined: None }
     }
 
     /// Nothing known yet: all goals as likely, c = 0, and one of them taken for the pilot's until more is known.
@@ -36,7 +49,7 @@ impl Belief {
         let goals = goals.min(MAX_GOALS);
         let mut probabilities = [0.0; MAX_GOALS];
         probabilities[..goals].fill(1.0 / goals.max(1) as f32);
-        Self { probabilities, goals, goal: taken, confidence: 0.0 }
+        Self { probabilities, goals, goal: taken, confidence: 0.0, imagined: None }
     }
 
     /// The goal is known for certain, c = 1.
@@ -44,7 +57,27 @@ impl Belief {
         let goals = goals.min(MAX_GOALS);
         let mut probabilities = [0.0; MAX_GOALS];
         probabilities[goal.min(MAX_GOALS - 1)] = 1.0;
-        Self { probabilities, goals, goal, confidence: 1.0 }
+        Self { probabilities, goals, goal, confidence: 1.0, imagined: None }
+    }
+
+    /// A goal at `position` is imagined, by a co-pilot that knows of none. What is not finite is taken for nothing known.
+    pub fn imagined(position: [f32; 2], confidence: f32) -> Self {
+        let finite = position.iter().all(|at| at.is_finite()) && confidence.is_finite();
+        let mut belief = Self::certain(1, 0);
+        belief.confidence = if finite { confidence.clamp(0.0, 1.0) } else { 0.0 };
+        belief.imagined = finite.then_some(Goal { id: IMAGINED, position });
+        belief
+    }
+
+    /// The goal that is imagined, by a co-pilot that knows of none.
+    pub fn imagined_goal(&self) -> Option<&Goal> {
+        self.imagined.as_ref()
+    }
+
+    /// Index, among the plant's own goals, of the one that this belief comes to: the goal that is taken for the pilot's,
+    /// or the one nearest to where a goal is imagined. For judges and for who looks on.
+    pub fn goal_among(&self, goals: &[Goal]) -> usize {
+        self.imagined.map_or(self.goal, |goal| nearest(goals, goal.position))
     }
 
     /// p(g | a_h) of every goal, in their order.
@@ -117,17 +150,59 @@ pub enum Inference {
     Softmax,
     /// A network under [`Head::Calibrated`].
     Calibrated,
+    /// From the values of what is asked: [`ValueIntent`].
+    Bayesian,
+    /// The product of [`Head::Calibrated`] and [`ValueIntent`]: [`Product`].
+    CalibratedBayesian,
+    /// A goal is imagined where a network that knows no goals expects it; intent and values never see the plant's goals.
+    Imagined,
 }
 
 impl Inference {
-    /// The head it needs a network for, if it does.
+    /// All of them, in the order of tables.
+    pub const ALL: [Self; 8] = [
+        Self::Nearest,
+        Self::Known,
+        Self::InverseDistance,
+        Self::Softmax,
+        Self::Calibrated,
+        Self::Bayesian,
+        Self::CalibratedBayesian,
+        Self::Imagined,
+    ];
+
+    /// The word for it in options, files and tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Nearest => "nearest",
+            Self::Known => "known",
+            Self::InverseDistance => "inverse-distance",
+            Self::Softmax => "softmax",
+            Self::Calibrated => "calibrated",
+            Self::Bayesian => "bayesian",
+            Self::CalibratedBayesian => "calibrated-bayesian",
+            Self::Imagined => "imagined",
+        }
+    }
+
+    /// The head it needs a network for, if it does; a goal is imagined with the spread of the calibrated one.
     pub fn head(self) -> Option<Head> {
         match self {
-            Self::Nearest | Self::Known => None,
+            Self::Nearest | Self::Known | Self::Bayesian => None,
             Self::InverseDistance => Some(Head::InverseDistance),
             Self::Softmax => Some(Head::Softmax),
-            Self::Calibrated => Some(Head::Calibrated),
+            Self::Calibrated | Self::CalibratedBayesian | Self::Imagined => Some(Head::Calibrated),
         }
+    }
+
+    /// True if it asks the values what a pilot of each goal would do, so that there is none without them.
+    pub fn asks_values(self) -> bool {
+        matches!(self, Self::Bayesian | Self::CalibratedBayesian)
+    }
+
+    /// True if the co-pilot is to know no goals.
+    pub fn hides_goals(self) -> bool {
+        self == Self::Imagined
     }
 }
 
@@ -210,6 +285,33 @@ impl IntentModel for KnownGoal {
 
     fn infer(&mut self, view: &View<'_>, _asked: Option<Action>) -> Belief {
         Belief::certain(view.goals.len(), self.0)
+    }
+}
+
+/// The goal is told from outside and certain (c = 1), whatever the pilot comes to want: [`KnownGoal`] for plants whose
+/// goals come and go or whose pilot may change its mind. A goal that is not there is as unknown as any.
+#[derive(Clone, Debug)]
+pub struct Told {
+    wishes: Vec<Wish>,
+}
+
+impl Told {
+    /// Told what the pilot wants from when on, in the order of time; see [`Plant::wishes`](crate::plant::Plant::wishes).
+    pub fn new(wishes: Vec<Wish>) -> Self {
+        Self { wishes }
+    }
+}
+
+impl IntentModel for Told {
+    fn begin(&mut self) {}
+
+    fn infer(&mut self, view: &View<'_>, _asked: Option<Action>) -> Belief {
+        let wish = self.wishes.iter().rev().find(|wish| wish.from <= view.tick);
+        let goal = wish.and_then(|wish| view.goals.iter().position(|goal| goal.id == wish.goal));
+        match goal {
+            Some(goal) => Belief::certain(view.goals.len(), goal),
+            None => Belief::unknown(view.goals.len(), view.nearest_goal()),
+        }
     }
 }
 

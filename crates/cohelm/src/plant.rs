@@ -2,12 +2,14 @@
 
 use crate::action::{Action, ActionSpace, Effect};
 use crate::scene::{Pose, Scene};
+use crate::tape::Tape;
 use serde::{Deserialize, Serialize};
 
 /// A goal that the pilot may have: a landing pad, an object to reach.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Goal {
-    /// Names the goal for the whole episode, whatever others appear or vanish.
+    /// Names the goal for the whole episode, whatever others appear or vanish. Never
+    /// [`IMAGINED`](crate::intent::IMAGINED).
     pub id: u32,
     /// Where it is, in the plant's normalised units.
     pub position: [f32; 2],
@@ -48,6 +50,15 @@ pub fn nearest(goals: &[Goal], position: [f32; 2]) -> usize {
         }
     }
     best.0
+}
+
+/// What the pilot wants from some tick on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wish {
+    /// The first tick at which it does.
+    pub from: u32,
+    /// The id of the goal.
+    pub goal: u32,
 }
 
 /// How an episode ended: exactly one of these, and an event, never a threshold on the return.
@@ -103,7 +114,8 @@ pub struct Step {
 /// Something that is steered, one action a tick.
 ///
 /// A plant is deterministic: the seed given to [`reset`](Plant::reset) fixes everything random about the episode, and
-/// equal actions then give equal bits. No method fails: actions are checked against [`space`](Plant::space) before
+/// equal actions then give equal bits; where it is elsewhere and cannot be, its [`tape`](Plant::tape) is what a record
+/// keeps. No method fails: actions are checked against [`space`](Plant::space) before
 /// they get here.
 pub trait Plant: Send {
     /// Begins the episode of a seed.
@@ -115,8 +127,16 @@ pub trait Plant: Send {
     /// What may be seen now.
     fn view(&self) -> View<'_>;
 
-    /// Index among the goals of the moment of the pilot's own. Only pilots and judges may ask; the co-pilot never.
+    /// Index among the goals of the moment of the pilot's own; 0 when there is none. Asked at every tick, for a pilot may
+    /// change its mind. Only pilots and judges may ask; the co-pilot never.
     fn pilot_goal(&self) -> usize;
+
+    /// Which goal the pilot will want from which tick on, as far as the episode that was just reset fixes it: for
+    /// whoever is told it. A pilot that never changes its mind has one wish.
+    fn wishes(&self) -> Vec<Wish> {
+        let goal = self.view().goals.get(self.pilot_goal()).map(|goal| goal.id);
+        goal.into_iter().map(|goal| Wish { from: 0, goal }).collect()
+    }
 
     /// The actions there are.
     fn space(&self) -> &ActionSpace;
@@ -149,6 +169,11 @@ pub trait Plant: Send {
 
     /// Optional: an independent copy that goes on with the same bits.
     fn snapshot(&self) -> Option<Box<dyn Plant>> {
+        None
+    }
+
+    /// Optional: what was seen of a plant that is elsewhere, where seed and actions do not give its states back.
+    fn tape(&self) -> Option<&Tape> {
         None
     }
 

@@ -73,6 +73,9 @@ pub struct TickReport {
     pub differs: bool,
     /// The goals after the tick.
     pub goals: Vec<Goal>,
+    /// The id of the person's own goal after the tick: it may have changed its mind. It goes to the screen and never to the
+    /// co-pilot.
+    pub pilot_goal: Option<u32>,
     /// Where the movable parts are after the tick.
     pub poses: Vec<Pose>,
 }
@@ -99,6 +102,9 @@ pub struct BeliefReport {
     pub goal: usize,
     /// c of Eq. 1.
     pub confidence: f32,
+    /// Where a goal is imagined, in the units of the goals' positions, by a co-pilot that knows none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imagined: Option<[f32; 2]>,
 }
 
 /// One candidate action.
@@ -143,6 +149,7 @@ impl TickReport {
                 probabilities: tick.belief.probabilities().to_vec(),
                 goal: tick.belief.goal,
                 confidence: tick.belief.confidence,
+                imagined: tick.belief.imagined_goal().map(|goal| goal.position),
             },
             candidates: valued.enumerate().map(candidate).collect(),
             threshold: threshold(rule, tick.belief.confidence, tick.values, median_range),
@@ -156,6 +163,7 @@ impl TickReport {
             ending: tick.step.ending,
             differs: false,
             goals: Vec::new(),
+            pilot_goal: None,
             poses: Vec::new(),
         }
     }
@@ -163,6 +171,7 @@ impl TickReport {
     /// The same with where the tick left the plant.
     pub fn placed(mut self, plant: &dyn Plant) -> Self {
         self.goals = plant.view().goals.to_vec();
+        self.pilot_goal = self.goals.get(plant.pilot_goal()).map(|goal| goal.id);
         self.poses = poses(plant);
         self
     }

@@ -5,7 +5,10 @@
 
 mod bytes;
 
-pub use bytes::{FORMAT_VERSION, MAX_EVENTS, MAX_TICKS, TrajectoryError, put_event, read_events};
+pub(crate) use bytes::Reader;
+pub use bytes::{
+    FORMAT_VERSION, MAX_EVENTS, MAX_TICKS, TAPED_FORMAT_VERSION, TrajectoryError, put_event, read_events,
+};
 
 use crate::action::Action;
 use crate::arbitration::Rule;
@@ -13,7 +16,8 @@ use crate::cockpit::{Silence, Tick};
 use crate::intent::Inference;
 use crate::keys::KeyEvent;
 use crate::plant::{Ending, Plant, Step};
-use crate::registry::Task;
+use crate::registry::{Plants, Task, TaskError};
+use crate::tape::{self, Tape, Taped};
 use serde::{Deserialize, Serialize};
 
 /// Everything that fixes an episode but the pilot's requests.
@@ -43,6 +47,13 @@ pub struct Setup {
     pub pilot: String,
 }
 
+impl Setup {
+    /// The version of the bytes of this episode's record.
+    pub fn format(&self) -> u8 {
+        if self.task.plant == tape::PLANT { TAPED_FORMAT_VERSION } else { FORMAT_VERSION }
+    }
+}
+
 /// The largest seed of a [`Setup`].
 pub const MAX_SEED: u64 = 1 << 53;
 
@@ -70,6 +81,8 @@ pub struct Trajectory {
     pub ending: Ending,
     /// Digests of everything that is not stored.
     pub digests: Digests,
+    /// What was seen of the plant, if it was elsewhere.
+    pub tape: Option<Tape>,
 }
 
 /// Collects a trajectory tick by tick.
@@ -115,7 +128,15 @@ impl Recorder {
     /// The trajectory; an episode that had not ended is abandoned.
     pub fn finish(self, setup: Setup, keys: Vec<KeyEvent>) -> Trajectory {
         let Self { asked, executed, digests, ending } = self;
-        Trajectory { setup, asked, executed, keys, ending: ending.unwrap_or(Ending::Abandoned), digests }
+        Trajectory {
+            setup,
+            asked,
+            executed,
+            keys,
+            ending: ending.unwrap_or(Ending::Abandoned),
+            digests,
+            tape: None,
+        }
     }
 }
 
@@ -123,6 +144,15 @@ impl Trajectory {
     /// Ticks the episode lasted.
     pub fn ticks(&self) -> usize {
         self.asked.len()
+    }
+
+    /// What flies the episode again, and the registry that knows it: the plant of its task, or the tape of what was seen
+    /// of a plant that was elsewhere.
+    pub fn plant(&self, plants: &Plants) -> Result<(Box<dyn Plant>, Plants), TaskError> {
+        match &self.tape {
+            Some(tape) => Ok((Box::new(Taped::new(tape.clone())), tape::plants())),
+            None => Ok((plants.make(&self.setup.task)?, plants.clone())),
+        }
     }
 }
 
@@ -161,7 +191,9 @@ fn digest_of_step(digest: u64, plant: &dyn Plant, step: &Step) -> u64 {
 fn digest_of_decision(digest: u64, tick: &Tick<'_>) -> u64 {
     let values = tick.values.values().iter().map(|value| value.to_bits());
     let belief = tick.belief.probabilities().iter().map(|p| p.to_bits());
-    let words = values.chain(belief).chain([tick.belief.goal as u32, tick.belief.confidence.to_bits()]);
+    let imagined = tick.belief.imagined_goal().into_iter().flat_map(|goal| goal.position.map(f32::to_bits));
+    let belief = belief.chain([tick.belief.goal as u32, tick.belief.confidence.to_bits()]);
+    let words = values.chain(belief).chain(imagined);
     let executed = match tick.executed {
         None => [u32::MAX; 4],
         Some(Action::Command(command)) => [u32::from(command), 0, 0, 0],

@@ -213,7 +213,8 @@ class SharedControl(FlagLander):
     """The flag task with a co-pilot in it: the agent is the pilot, and what it asks for is arbitrated.
 
     ``rule`` is a :class:`cohelm.Rule` or its name; ``inference`` is ``"inverse-distance"`` (the paper's), ``"softmax"``,
-    ``"calibrated"``, ``"nearest"`` or ``"known"``; ``values`` and ``intent`` are models, the shipped ones unless given.
+    ``"calibrated"``, ``"bayesian"`` (by the values), ``"calibrated-bayesian"``, ``"imagined"`` (the co-pilot knows no goals),
+    ``"nearest"`` or ``"known"``; ``values`` and ``intent`` are models, the shipped ones unless given.
     ``info`` holds every stage of the tick: ``asked``, ``goal``, ``confidence``, ``probabilities``, ``values``, ``allowed``,
     ``executed``, ``intervened``, ``opposed``.
     """
@@ -240,8 +241,10 @@ class SharedControl(FlagLander):
         actions = json.loads(options).get("actions", "switches")
         if values is None:
             values = _usual(f"flag-lander-{actions}.values")
-        if intent is None and self._help["inference"] not in ("nearest", "known"):
-            intent = _usual(f"flag-lander-{actions}.intent")
+        inference = self._help["inference"]
+        if intent is None and inference not in ("nearest", "known", "bayesian"):
+            blind = "-imagined" if inference == "imagined" else ""
+            intent = _usual(f"flag-lander-{actions}{blind}.intent")
         return World("flag-lander", options, rule=self.rule.native, values=values, intent=intent, **self._help)
 
 

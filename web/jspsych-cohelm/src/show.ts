@@ -256,7 +256,7 @@ export class FlightShow {
     this.card.show(
       'ready',
       heading === '' ? words.ready : heading,
-      [element('p', {}, words.task), keys],
+      [element('p', {}, words.task), keys, ...(this.run!.hasAxes ? [element('p', { class: 'drag' }, words.drag)] : [])],
       [{ label: words.start, key: '⏎', primary: true, press: () => this.begin() }],
     );
   }

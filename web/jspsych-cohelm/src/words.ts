@@ -1,7 +1,7 @@
 // What a flight says, in English; hand in others for another language.
 
 import type { Ending } from '../../src/core';
-import { ENDING_HINTS, ENDINGS } from '../../src/words';
+import { DRAG, ENDING_HINTS, ENDINGS } from '../../src/words';
 
 export const ENGLISH = {
   canvas: 'The craft, the ground and the goals; your own is marked',
@@ -10,6 +10,7 @@ export const ENGLISH = {
   own: 'YOUR GOAL',
   ready: 'Ready to fly',
   task: 'Come to rest at your goal: the amber one, marked ★.',
+  drag: DRAG,
   start: 'Start',
   paused: 'Paused',
   pausedText: 'All keys were released; the time stands still.',

@@ -192,10 +192,15 @@ export class FlightDeskView implements DeskView {
     this.run.pause();
     if (this.bar === null) {
       const { setup } = opened.recording.opening;
-      const usual = opened.hangar.crew(setup.task, '');
-      const models = { values: setup.values ?? usual.values, intent: setup.intent ?? usual.intent };
+      const usual = opened.hangar.crew(setup.task, '', 'calibrated');
+      const [own, imagined] = setup.inference === 'imagined' ? [null, setup.intent] : [setup.intent, null];
+      const models = {
+        values: setup.values ?? usual.values,
+        intent: own ?? usual.intent,
+        imagined: imagined ?? opened.hangar.crew(setup.task, '', 'imagined').intent,
+      };
       await opened.hangar
-        .equip(opened.second, [models.values, models.intent, setup.values, setup.intent])
+        .equip(opened.second, [...Object.values(models), setup.values, setup.intent])
         .catch(() => {});
       if (this.gone) return;
       opened.second.watch(opened.bytes);

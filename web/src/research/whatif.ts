@@ -1,6 +1,6 @@
 // The choices of a what-if: from which tick, under which rule, by what inference, who asks.
 
-import type { Hands, Inference, Rule, Setup, Wish } from '../core';
+import { type Hands, type Inference, needsNetwork, type Rule, type Setup, type Wish } from '../core';
 import { button, element, select } from '../dom';
 import { RULE_NAMES } from '../words';
 
@@ -17,6 +17,9 @@ const INFERENCES: [Inference, string][] = [
   ['calibrated', 'calibrated'],
   ['softmax', 'softmax'],
   ['inverse-distance', 'inverse distance'],
+  ['bayesian', 'by the values'],
+  ['calibrated-bayesian', 'calibrated × by the values'],
+  ['imagined', 'imagined: knows no goals'],
   ['nearest', 'nearest goal'],
   ['known', 'told the goal'],
 ];
@@ -44,9 +47,13 @@ export interface Ground {
   /** The record's setup. */
   setup: Setup;
   /** The models of the record, or the usual ones of its task if it has none. */
-  models: { values: string | null; intent: string | null };
+  models: { values: string | null; intent: string | null; imagined: string | null };
   /** Who can take over. */
   pilots: Hands[];
+}
+
+function networkFor({ intent, imagined }: Ground['models'], inference: Inference): string | null {
+  return inference === 'imagined' ? imagined : intent;
 }
 
 /** A bar with the choices; `changed` is called with a wish whenever one is chosen otherwise. */
@@ -76,9 +83,8 @@ export class WhatIfBar {
     const own = JSON.stringify(setup.rule);
     const rules = [setup.rule, ...RULES.filter((rule) => JSON.stringify(rule) !== own)];
     this.rule = rules.find(({ rule }) => rule !== setup.rule.rule && ['lasc', 'misc'].includes(rule)) ?? rules[1]!;
-    const network = (inference: Inference) => !['nearest', 'known'].includes(inference);
     const inferences = INFERENCES.filter(
-      ([inference]) => inference === setup.inference || !network(inference) || models.intent !== null,
+      ([inference]) => inference === setup.inference || !needsNetwork(inference) || networkFor(models, inference) !== null,
     );
     this.who.addEventListener('change', () => this.choose({}));
     this.node.append(
@@ -121,7 +127,8 @@ export class WhatIfBar {
     const { setup, models } = this.ground;
     const person = Math.max(0, Math.min(999, Math.round(Number(this.who.value)) || 0));
     const pilot = hands.pilot === 'person' ? { ...hands, person } : hands;
-    return { at, rule, inference, silence: setup.silence ?? 'best', ...models, pilot };
+    const [values, intent] = [models.values, networkFor(models, inference)];
+    return { at, rule, inference, silence: setup.silence ?? 'best', values, intent, pilot };
   }
 
   private show(): void {

@@ -6,6 +6,8 @@ use crate::{live, rig};
 use anyhow::Result;
 use clap::Args;
 use cohelm::registry::Task;
+use cohelm_external::{Address, TimeOut};
+use cohelm_server::external::Elsewhere;
 use cohelm_server::hosts::Hosts;
 use cohelm_server::page::Assets;
 use cohelm_server::store::SqliteStore;
@@ -33,6 +35,12 @@ pub struct Fly {
     /// Learn while people fly (Algorithm 1, live): the values get better from flight to flight.
     #[arg(long)]
     learn: bool,
+    /// Fly a plant that is elsewhere: 127.0.0.1:PORT or unix:PATH, where it listens (docs/external-plants.md).
+    #[arg(long, value_name = "ADDRESS")]
+    external: Option<Address>,
+    /// How long the plant elsewhere may be silent before it is taken for lost, ms; 20 to 5000.
+    #[arg(long, value_name = "MS", default_value = "250", requires = "external")]
+    external_time_out: TimeOut,
 }
 
 impl Fly {
@@ -62,7 +70,10 @@ impl Fly {
             assets: Assets::embedded(),
             study: None,
         };
-        let server = Server::start(parts).await?;
+        let mut server = Server::start(parts).await?;
+        if let Some(address) = self.external {
+            server = server.with_plant_elsewhere(Elsewhere::new(address, self.external_time_out));
+        }
         let (address, database) = (listener.local_addr()?, self.database.display());
         say(&format!("cohelm flies at http://{address}\nflights are stored in {database}; Ctrl-C ends"));
         serve(listener, server, stop_signal()).await?;

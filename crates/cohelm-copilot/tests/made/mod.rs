@@ -34,6 +34,7 @@ pub fn card(kind: Kind, task: &Task) -> Card {
         space: plant.space().clone(),
         state: plant.view().state.len(),
         goals: plant.view().goals.len(),
+        goal_spread: None,
         encoder_version: if kind == Kind::Values { VALUES_VERSION } else { INTENT_VERSION },
         sees_asked: false,
         free_outputs: false,
@@ -71,5 +72,11 @@ pub fn intent_networks(card: &Card, seed: u64) -> IntentNetworks {
 
 pub fn intent(seed: u64) -> Model {
     let card = card(Kind::Intent, &task());
+    Model::of_intent(&card, &intent_networks(&card, seed)).unwrap()
+}
+
+/// Intent that knows no goals.
+pub fn imagining(seed: u64) -> Model {
+    let card = Card { goals: 0, goal_spread: Some(0.4), ..card(Kind::Intent, &task()) };
     Model::of_intent(&card, &intent_networks(&card, seed)).unwrap()
 }

@@ -74,6 +74,7 @@ fn episodes(conditions: &[Condition], invent: &dyn Fn(&str) -> Invented) -> Vec<
                     keys: vec![],
                     ending,
                     digests: Digests::default(),
+                    tape: None,
                 };
                 flown.push(Flown { participant, condition, episode, measures, trajectory });
             }

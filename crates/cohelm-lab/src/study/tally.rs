@@ -41,7 +41,7 @@ impl FlightTally {
         let moment = Moment {
             commanded: tick.asked.is_some(),
             as_asked: tick.asked.is_some() && !effective,
-            goal_right: tick.belief.goal == plant.pilot_goal(),
+            goal_right: tick.right,
             confidence: f64::from(tick.belief.confidence),
         };
         self.moments.push(moment);
@@ -226,7 +226,7 @@ mod tests {
             let step = Step { reward: 0.0, ending };
             let (tick, allowed) = (i as u32, &[][..]);
             tally.note(
-                &Tick { tick, asked, belief, values: &values, allowed, executed, intervention, step },
+                &Tick { tick, asked, belief, right, values: &values, allowed, executed, intervention, step },
                 &plant,
             );
         }

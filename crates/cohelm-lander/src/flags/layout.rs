@@ -1,4 +1,4 @@
-//! Where things are in an episode: terrain, the three pads, and which of them is the pilot's.
+//! Where things are in an episode: terrain, the pads, and which of them the pilot wants at first.
 //!
 //! Sizes follow Gymnasium's world (20 × 13.3 units); what is drawn at random is drawn from the seed and nothing else.
 
@@ -8,8 +8,10 @@ use crate::craft::{Ground, Start, WORLD_HEIGHT, WORLD_WIDTH};
 use cohelm::plant::Goal;
 use cohelm::random::Draws;
 
-/// How many pads there are.
+/// How many pads there are unless the options say otherwise.
 pub const PADS: usize = 3;
+/// The most there can be.
+pub const MOST_PADS: usize = 4;
 /// Terrain heights between these shares of the world's height, before smoothing.
 const HEIGHT_SHARES: [f64; 2] = [0.10, 0.40];
 /// Evenly spaced terrain vertices before pads are cut in.
@@ -30,6 +32,7 @@ pub(crate) mod purpose {
     pub const SCENERY: u64 = 0;
     pub const START: u64 = 1;
     pub const SCATTER: u64 = 2;
+    pub const COURSE: u64 = 3;
 }
 
 /// One episode's scenery. Shared by all snapshots of the episode.
@@ -40,32 +43,33 @@ pub(crate) struct Layout {
     /// The same for the physics.
     pub ground: Ground,
     /// Centres of the pads on the ground, by x, world units.
-    pub pads: [[f64; 2]; PADS],
+    pub pads: Vec<[f64; 2]>,
     /// The pads as goals: where the hull is when the craft stands on them, normalised.
-    pub goals: [Goal; PADS],
-    /// Which of them is the pilot's.
-    pub pilot_goal: usize,
+    pub goals: Vec<Goal>,
+    /// Which of them the pilot wants at first.
+    pub first_wish: usize,
     /// Half of each pad's width, world units.
     pub half_width: f64,
 }
 
 impl Layout {
     /// The scenery of a seed.
-    pub fn draw(seed: u64, half_width: f64) -> Self {
+    pub fn draw(seed: u64, half_width: f64, pads: usize) -> Self {
         let mut draws = Draws::fork(seed, purpose::SCENERY);
         let terrain = terrain(&mut draws);
-        let centres = pad_centres(&mut draws, half_width);
-        Self::new(&terrain, centres, half_width, draws.below(PADS))
+        let centres = pad_centres(&mut draws, half_width, pads);
+        Self::new(&terrain, &centres, half_width, draws.below(pads))
     }
 
     /// Pads cut into a terrain at the given x, from left to right.
-    pub fn new(terrain: &Surface, centres: [f64; PADS], half_width: f64, pilot_goal: usize) -> Self {
-        let pads = centres.map(|x| [x, terrain.height_at(x)]);
+    pub fn new(terrain: &Surface, centres: &[f64], half_width: f64, first_wish: usize) -> Self {
+        let pads: Vec<[f64; 2]> = centres.iter().map(|&x| [x, terrain.height_at(x)]).collect();
         let surface = terrain.with_flats(&pads, half_width, GAP / 2.0);
         let ground =
             Ground::polyline(surface.vertices()).expect("pads and vertices are kept apart and in order");
-        let goals = core::array::from_fn(|i| Goal { id: i as u32, position: standing_at(pads[i]) });
-        Self { surface, ground, pads, goals, pilot_goal, half_width }
+        let goal = |(id, &pad): (usize, &[f64; 2])| Goal { id: id as u32, position: standing_at(pad) };
+        let goals = pads.iter().enumerate().map(goal).collect();
+        Self { surface, ground, pads, goals, first_wish, half_width }
     }
 
     /// Gymnasium's start: top centre, with a random push.
@@ -102,12 +106,17 @@ fn terrain(draws: &mut Draws) -> Surface {
 
 /// Uniform over all places that keep the pads apart: sorted uniform draws over what is left when the distances are
 /// taken out, and the distances put back in.
-fn pad_centres(draws: &mut Draws, half_width: f64) -> [f64; PADS] {
+fn pad_centres(draws: &mut Draws, half_width: f64, pads: usize) -> Vec<f64> {
     let apart = f64::max(CENTRE_DISTANCE, 2.0 * half_width + GAP);
-    let free = WORLD_WIDTH - 2.0 * MARGIN - (PADS - 1) as f64 * apart;
-    let mut offsets: [f64; PADS] = core::array::from_fn(|_| draws.uniform(0.0, free));
+    let free = WORLD_WIDTH - 2.0 * MARGIN - (pads - 1) as f64 * apart;
+    let mut offsets: Vec<f64> = (0..pads).map(|_| draws.uniform(0.0, free)).collect();
     offsets.sort_by(f64::total_cmp);
-    core::array::from_fn(|i| MARGIN + offsets[i] + i as f64 * apart)
+    offsets.iter().enumerate().map(|(i, offset)| MARGIN + offset + i as f64 * apart).collect()
+}
+
+/// The widest pads, by their half, of which that many fit side by side.
+pub(crate) fn widest(pads: usize) -> f64 {
+    0.5 * ((WORLD_WIDTH - 2.0 * MARGIN) / pads.saturating_sub(1).max(1) as f64 - GAP)
 }
 
 #[cfg(test)]
@@ -115,18 +124,29 @@ mod tests {
     use super::*;
 
     fn layouts(half_width: f64) -> impl Iterator<Item = Layout> {
-        (0..300).map(move |seed| Layout::draw(seed, half_width))
+        (0..300).map(move |seed| Layout::draw(seed, half_width, PADS))
     }
 
     #[test]
     fn pads_lie_apart_within_the_world_and_in_order_of_x() {
         for half_width in [0.8, 1.5, 2.5] {
             for layout in layouts(half_width) {
-                let [a, b, c] = layout.pads.map(|[x, _]| x);
+                let &[[a, _], [b, _], [c, _]] = layout.pads.as_slice() else { panic!("three pads") };
                 let apart = f64::max(3.6, 2.0 * half_width + 0.6) - 1e-9;
                 assert!(a >= 2.5 && c <= 17.5 && b - a >= apart && c - b >= apart, "{a} {b} {c}");
                 assert!(layout.goals.windows(2).all(|pair| pair[0].position[0] < pair[1].position[0]));
-                assert_eq!(layout.goals.map(|goal| goal.id), [0, 1, 2]);
+                assert!((0..).zip(&layout.goals).all(|(id, goal)| goal.id == id));
+            }
+        }
+    }
+
+    #[test]
+    fn one_to_four_pads_lie_within_the_world_as_wide_as_may_be() {
+        for pads in 1..=MOST_PADS {
+            for half_width in [0.8, f64::min(2.5, widest(pads))] {
+                let layout = Layout::draw(7, half_width, pads);
+                assert_eq!((layout.pads.len(), layout.goals.len()), (pads, pads));
+                assert!(layout.pads.iter().all(|[x, _]| (2.5 - 1e-9..=17.5 + 1e-9).contains(x)), "{pads}");
             }
         }
     }
@@ -134,7 +154,7 @@ mod tests {
     #[test]
     fn pads_are_flat_and_the_terrain_keeps_its_height() {
         for layout in layouts(1.5) {
-            for [x, y] in layout.pads {
+            for &[x, y] in &layout.pads {
                 for offset in [-1.5, -0.7, 0.0, 1.2, 1.5] {
                     assert!((layout.surface.height_at(x + offset) - y).abs() < 1e-12);
                 }
@@ -147,7 +167,7 @@ mod tests {
     #[test]
     fn every_pad_is_the_pilots_equally_often() {
         let mut counts = [0; PADS];
-        layouts(1.5).for_each(|layout| counts[layout.pilot_goal] += 1);
+        layouts(1.5).for_each(|layout| counts[layout.first_wish] += 1);
         // 300 draws, p = 1/3: the standard deviation is 8.2.
         assert!(counts.iter().all(|&count| (70..=130).contains(&count)), "{counts:?}");
     }

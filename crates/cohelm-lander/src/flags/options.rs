@@ -1,6 +1,7 @@
 //! The options of the flag task, as a record, a study file or a command line gives them.
 
 use super::actions::ActionSet;
+use super::layout::{MOST_PADS, PADS, widest};
 use crate::craft::Settings;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,18 @@ pub struct FlagOptions {
     /// Weight of the shaping reward, 0 to 10. 1 is Gymnasium's shaping over 100; 0.5 (default) trains more reliably
     /// without a teacher; 0 leaves only costs and endings, and then training mostly learns to hover.
     pub shaping: f64,
+    /// How many pads there are, 1 to 4; 3 as in the paper. Four are at most 2.2 units wide, by their half.
+    pub pads: u32,
+    /// The tick from which on one of the pads is a goal that was none before; which one is drawn, and it is never what the
+    /// pilot wants at first. Without it all pads are goals from the beginning.
+    pub appears_at: Option<u32>,
+    /// The tick from which on one of the goals is none any more, drawn from those that are there; whose goal it was wants
+    /// another from then on, each as likely. Without it none vanishes.
+    pub vanishes_at: Option<u32>,
+    /// The first and the last tick between which the pilot changes its mind once, at a tick that is drawn: from then on it
+    /// wants another of the goals of that moment, each as likely. Success is judged on the goal at the end. Without it the
+    /// pilot knows what it wants.
+    pub changes_mind: Option<[u32; 2]>,
     /// Half the width of a pad, 0.8 to 2.5 world units; 1.5 by default. The legs of a standing craft span about 1.8.
     pub pad_half_width: f64,
     /// Rounds of the velocity solver in a tick, 10 to 1000; 180 as in Gymnasium. 60 is about twice as fast, gives other bits
@@ -54,6 +67,10 @@ impl Default for FlagOptions {
             elsewhere: Elsewhere::default(),
             limit: 1000,
             shaping: 0.5,
+            pads: PADS as u32,
+            appears_at: None,
+            vanishes_at: None,
+            changes_mind: None,
             pad_half_width: 1.5,
             velocity_iterations: Settings::EXACT.velocity_iterations,
             position_iterations: Settings::EXACT.position_iterations,
@@ -120,7 +137,34 @@ impl FlagOptions {
         in_range("limit", self.limit.into(), [1.0, MOST_TICKS], usual.limit.into())?;
         in_range("shaping", self.shaping, [0.0, 10.0], usual.shaping)?;
         in_range("pad_half_width", self.pad_half_width, [0.8, 2.5], usual.pad_half_width)?;
+        self.check_pads()?;
         iterations_in_range(&self.settings())
+    }
+
+    fn check_pads(&self) -> Result<(), OptionsError> {
+        let Self { pads, appears_at, vanishes_at, changes_mind, .. } = *self;
+        in_range("pads", pads.into(), [1.0, MOST_PADS as f64], PADS as f64)?;
+        in_range("pad_half_width", self.pad_half_width, [0.8, f64::min(2.5, widest(pads as usize))], 1.5)?;
+        let late = appears_at.is_some_and(|appears| vanishes_at.is_none_or(|vanishes| appears > vanishes));
+        let needed = 1 + u32::from(appears_at.is_some())
+            .max(u32::from(vanishes_at.is_some()) + u32::from(late && vanishes_at.is_some()));
+        if pads < needed {
+            let reason = format!("one goal has to be left at every tick, which takes {needed} pads");
+            let option = if appears_at.is_some() { "appears_at" } else { "vanishes_at" };
+            return Err(OptionsError::Option {
+                option: option.into(),
+                got: format!("given with {pads} pads"),
+                reason,
+            });
+        }
+        match changes_mind {
+            Some([from, to]) if from > to => Err(OptionsError::Option {
+                option: "changes_mind".into(),
+                got: format!("[{from}, {to}]"),
+                reason: "the first tick must not come after the last; try [40, 120]".into(),
+            }),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -202,6 +246,11 @@ mod tests {
             (json!({"limit": 0}), ["from 1 to 90000", "got 0", "try 1000"]),
             (json!({"shaping": -1.0}), ["\"shaping\" from 0", "got -1", "try 0.5"]),
             (json!({"pad_half_width": 4}), ["to 2.5", "got 4", "try 1.5"]),
+            (json!({"pad_half_width": 2.3, "pads": 4}), ["to 2.2", "got 2.3", "try 1.5"]),
+            (json!({"pads": 9}), ["from 1 to 4", "got 9", "try 3"]),
+            (json!({"pads": 1, "vanishes_at": 9}), ["\"vanishes_at\"", "with 1 pads", "takes 2 pads"]),
+            (json!({"pads": 2, "vanishes_at": 9, "appears_at": 20}), ["\"appears_at\"", "2 pads", "3 pads"]),
+            (json!({"changes_mind": [9, 5]}), ["\"changes_mind\"", "[9, 5]", "try [40, 120]"]),
             (json!({"velocity_iterations": 0}), ["from 10", "got 0", "try 180"]),
         ] {
             let message = refusal(value);

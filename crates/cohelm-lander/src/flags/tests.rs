@@ -16,7 +16,7 @@ fn lander(options: FlagOptions) -> FlagLander {
 
 /// Level ground at 3 with pads at 5, 10 and 15; the middle one is the pilot's.
 fn level(options: FlagOptions, start: Start) -> FlagLander {
-    let layout = Layout::new(&Surface::new(vec![[-2.0, 3.0], [22.0, 3.0]]), [5.0, 10.0, 15.0], 1.5, 1);
+    let layout = Layout::new(&Surface::new(vec![[-2.0, 3.0], [22.0, 3.0]]), &[5.0, 10.0, 15.0], 1.5, 1);
     FlagLander::begin(options, Arc::new(options.actions.space()), layout, &start, 0)
 }
 
@@ -217,8 +217,8 @@ fn mirror_flight(set: ActionSet, commands: &[u8]) {
         Surface::new((0..5).map(|i| [5.0 * i as f64, height(i)]).collect())
     };
     let options = with_actions(set);
-    let begin = |terrain: Surface, centres, goal, start| {
-        let layout = Layout::new(&terrain, centres, 1.5, goal);
+    let begin = |terrain: Surface, centres: [f64; 3], goal, start| {
+        let layout = Layout::new(&terrain, &centres, 1.5, goal);
         FlagLander::begin(options, Arc::new(options.actions.space()), layout, &start, 0)
     };
     let start = Start { vx: 1.5, vy: 0.5, ..Start::at(8.0, 8.0) };
@@ -256,7 +256,7 @@ fn easy_starts_keep_terrain_and_goal_of_the_seed_and_begin_at_the_goal() {
         assert!(easy.reset_near_goal(seed, 0.0));
         assert_eq!(easy.layout, usual.layout);
         let distance = |flight: &FlagLander| {
-            let [x, y] = flight.goal_position(flight.pilot_goal());
+            let [x, y] = flight.view().goals[flight.pilot_goal()].position.map(f64::from);
             ((flight.state[X] - x).powi(2) + (flight.state[Y] - y).powi(2)).sqrt()
         };
         assert!(distance(&easy) < 0.05 && distance(&usual) > 0.5, "{} {}", distance(&easy), distance(&usual));
@@ -287,7 +287,7 @@ fn the_scene_has_one_marked_part_for_every_goal_and_a_pose_for_every_movable_par
     let world = |i: usize| scene.origin[i] + scene.scale[i] * flight.view().position[i];
     let hull = scene.movable.iter().position(|part| part.role == cohelm::scene::Role::Body).expect("a body");
     assert!((world(0) - poses[hull].x).abs() < 1e-4 && (world(1) - poses[hull].y).abs() < 1e-4);
-    for (goal, pad) in flight.view().goals.iter().zip(flight.layout.pads) {
+    for (goal, pad) in flight.view().goals.iter().zip(&flight.layout.pads) {
         let at = [0, 1].map(|i| f64::from(scene.origin[i] + scene.scale[i] * goal.position[i]));
         assert!((at[0] - pad[0]).abs() < 1e-4 && (at[1] - pad[1] - 0.6).abs() < 1e-4);
     }
@@ -372,4 +372,51 @@ proptest! {
         prop_assert!(view.goals.windows(2).all(|pair| pair[0].position[0] < pair[1].position[0]));
         prop_assert!(view.goals.iter().all(|goal| goal.position.iter().all(|p| p.is_finite())));
     }
+}
+
+fn changing() -> FlagOptions {
+    FlagOptions {
+        pads: 4,
+        appears_at: Some(30),
+        vanishes_at: Some(60),
+        changes_mind: Some([20, 90]),
+        ..FlagOptions::default()
+    }
+}
+
+#[test]
+fn goals_come_and_go_and_are_seen_while_they_are_there() {
+    let mut flight = lander(changing());
+    for seed in 0..20 {
+        flight.reset(seed);
+        let wishes = flight.wishes();
+        let scene = flight.scene();
+        let passing: Vec<u32> = scene.movable.iter().filter_map(|part| part.goal).collect();
+        let mut poses = Vec::new();
+        for tick in 0..75 {
+            let ids: Vec<u32> = flight.view().goals.iter().map(|goal| goal.id).collect();
+            assert_eq!(ids.len(), if (30..60).contains(&tick) { 4 } else { 3 });
+            let wish = wishes.iter().rev().find(|wish| wish.from <= tick).expect("one from the beginning");
+            assert_eq!(ids[flight.pilot_goal()], wish.goal);
+            flight.poses(&mut poses);
+            assert_eq!(poses.len(), scene.movable.len());
+            let shown = &poses[poses.len() - passing.len()..];
+            for (id, pose) in passing.iter().zip(shown) {
+                assert_eq!(pose.strength > 0.0, ids.contains(id), "tick {tick}");
+            }
+            if flight.step(None).ending.is_some() {
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn success_is_judged_on_the_goal_at_the_end() {
+    let options = FlagOptions { changes_mind: Some([1, 1]), ..FlagOptions::default() };
+    let mut flight = level(options, Start::at(10.0, 3.75));
+    assert_eq!(flight.pilot_goal(), 1);
+    let (reward, ending) = fly(&mut flight, |_| None);
+    assert_eq!(ending, Ending::Elsewhere, "it stands where the pilot wanted to be at first");
+    assert!((-1.2..-0.5).contains(&reward), "a changed mind is no loss by itself: {reward}");
 }

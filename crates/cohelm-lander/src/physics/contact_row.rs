@@ -5,9 +5,9 @@
 use super::body::Part;
 use super::contact::Contact;
 use super::hinge_row::Twist;
-use super::lanes::Lanes;
 use super::manifold::{Face, Manifold};
 use super::position::Position;
+use super::relax::Twists;
 use super::shape::Edge;
 use super::tuning::{
     BAUMGARTE, LINEAR_SLOP, MAX_CONDITION_NUMBER, MAX_LINEAR_CORRECTION, SKIN, TOI_BAUMGARTE,
@@ -36,12 +36,16 @@ pub(crate) struct Velocity {
 }
 
 impl Velocity {
-    pub fn of(twist: &Twist<1>) -> Velocity {
-        Velocity { linear: vec2(twist.x.0[0], twist.y.0[0]), omega: twist.omega.0[0] }
+    pub fn of(twist: &Twist<f32>) -> Velocity {
+        Velocity { linear: vec2(twist.x, twist.y), omega: twist.omega }
     }
 
-    pub fn twist(self) -> Twist<1> {
-        Twist { x: Lanes([self.linear.x]), y: Lanes([self.linear.y]), omega: Lanes([self.omega]) }
+    pub fn twist(self) -> Twist<f32> {
+        Twist { x: self.linear.x, y: self.linear.y, omega: self.omega }
+    }
+
+    pub fn bits(self) -> [u32; 3] {
+        [self.linear.x, self.linear.y, self.omega].map(f32::to_bits)
     }
 
     fn at(self, arm: Vec2) -> Vec2 {
@@ -150,12 +154,22 @@ impl ContactRow {
         }
     }
 
-    pub fn warm_start(&self, velocity: &mut Velocity) {
+    /// Applies the impulses that the contact begins the step with.
+    pub fn warm_start(&self, twists: &mut Twists<f32>) {
+        let mut velocity = Velocity::of(&twists[self.body]);
         let tangent = self.normal.turned_right();
         for point in &self.points[..self.count] {
             let impulse = point.normal_impulse * self.normal + point.tangent_impulse * tangent;
-            self.apply(velocity, impulse, point.arm);
+            self.apply(&mut velocity, impulse, point.arm);
         }
+        twists[self.body] = velocity.twist();
+    }
+
+    /// One iteration on the body's velocity among all.
+    pub fn push(&mut self, twists: &mut Twists<f32>) {
+        let mut velocity = Velocity::of(&twists[self.body]);
+        self.iterate(&mut velocity);
+        twists[self.body] = velocity.twist();
     }
 
     /// One iteration: friction first, because not to sink in matters more.
@@ -225,6 +239,13 @@ impl ContactRow {
     fn apply(&self, velocity: &mut Velocity, impulse: Vec2, arm: Vec2) {
         velocity.linear += self.inverse_mass * impulse;
         velocity.omega += self.inverse_inertia * arm.cross(impulse);
+    }
+
+    /// The bits of all impulses: what an iteration leaves to the next one beside the velocity.
+    pub fn impulse_bits(&self) -> [u32; 4] {
+        let [first, second] = &self.points;
+        [first.normal_impulse, first.tangent_impulse, second.normal_impulse, second.tangent_impulse]
+            .map(f32::to_bits)
     }
 
     /// Writes the impulses where the next step looks for them.

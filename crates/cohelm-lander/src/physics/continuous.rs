@@ -4,7 +4,7 @@
 //! pushed apart, and sent on for the rest of the step; then the next earliest, until there is none.
 
 use super::body::parts;
-use super::contact_row::{Correction, Velocity};
+use super::contact_row::{ContactRow, Correction, Velocity};
 use super::distance::Pair;
 use super::impact::time_of_impact;
 use super::position::Position;
@@ -147,11 +147,24 @@ impl World {
             row.prepare(&position);
         }
         for _ in 0..self.settings.velocity_iterations {
-            for row in &mut rows {
-                row.iterate(&mut velocity);
+            if stands_still(&mut rows, &mut velocity) {
+                break;
             }
         }
         position.drift(&mut velocity, rest_s);
         self.bodies[body].take(&position, velocity);
     }
+}
+
+/// One iteration over the velocities of one body's contacts. True if it left everything as it was, to the bit: then so would all
+/// that follow.
+fn stands_still(rows: &mut [ContactRow], velocity: &mut Velocity) -> bool {
+    let before = velocity.bits();
+    let mut same = true;
+    for row in rows {
+        let impulses = row.impulse_bits();
+        row.iterate(velocity);
+        same &= row.impulse_bits() == impulses;
+    }
+    same && velocity.bits() == before
 }

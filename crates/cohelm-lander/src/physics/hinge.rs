@@ -5,7 +5,6 @@
 
 use super::body::{BODIES, HULL, LEG_AWAY, LEG_DOWN, LEG_START_RAD, LEGS, Part, parts};
 use super::hinge_row::{HingeRow, Sums};
-use super::lanes::Lanes;
 use super::position::Position;
 use super::tuning::{ANGULAR_SLOP, LINEAR_SLOP, MAX_ANGULAR_CORRECTION};
 use super::vector::{Vec2, clamp, vec2};
@@ -83,7 +82,7 @@ impl Hinge {
     }
 
     /// The velocity equations at these positions.
-    pub fn row(&mut self, positions: &[Position; BODIES], step_s: f32) -> HingeRow<1> {
+    pub fn row(&mut self, positions: &[Position; BODIES], step_s: f32) -> HingeRow<f32> {
         let (hull, leg) = (positions[HULL], positions[self.leg]);
         self.find_limit(self.angle_rad(&hull, &leg));
 
@@ -105,27 +104,27 @@ impl Hinge {
         HingeRow {
             hull_arm: one(ra),
             leg_arm: one(rb),
-            inverse_masses: [ma, ia, mb, ib].map(Lanes::all),
-            matrix: matrix.map(Lanes::all),
-            inverses: inverses(matrix).map(Lanes::all),
-            motor_mass: Lanes::all(1.0 / (ia + ib)),
-            motor_speed: Lanes::all(self.motor_speed),
-            max_motor_impulse: Lanes::all(step_s * MAX_MOTOR_TORQUE),
-            limit_side: Lanes::all(limit_side),
+            inverse_masses: [ma, ia, mb, ib],
+            matrix,
+            inverses: inverses(matrix),
+            motor_mass: 1.0 / (ia + ib),
+            motor_speed: self.motor_speed,
+            max_motor_impulse: step_s * MAX_MOTOR_TORQUE,
+            limit_side,
         }
     }
 
     /// The impulses that the step begins with: those of the last one, scaled by `step_ratio`. Call after [`Hinge::row`], which
     /// decides whether the limit's still counts.
-    pub fn sums(&self, step_ratio: f32) -> Sums<1> {
-        let [x, y, limit] = self.impulse.map(|impulse| Lanes::all(impulse * step_ratio));
-        Sums { pin: [x, y], limit, motor: Lanes::all(self.motor_impulse * step_ratio) }
+    pub fn sums(&self, step_ratio: f32) -> Sums<f32> {
+        let [x, y, limit] = self.impulse.map(|impulse| impulse * step_ratio);
+        Sums { pin: [x, y], limit, motor: self.motor_impulse * step_ratio }
     }
 
     /// Keeps the impulses for the next step.
-    pub fn store(&mut self, sums: &Sums<1>) {
-        self.impulse = [sums.pin[0], sums.pin[1], sums.limit].map(|impulse| impulse.0[0]);
-        self.motor_impulse = sums.motor.0[0];
+    pub fn store(&mut self, sums: &Sums<f32>) {
+        self.impulse = [sums.pin[0], sums.pin[1], sums.limit];
+        self.motor_impulse = sums.motor;
     }
 
     /// Inverse mass and inverse inertia of the hull, then of the leg.
@@ -176,8 +175,8 @@ impl Hinge {
     }
 }
 
-fn one(v: Vec2) -> [Lanes<1>; 2] {
-    [Lanes::all(v.x), Lanes::all(v.y)]
+fn one(v: Vec2) -> [f32; 2] {
+    [v.x, v.y]
 }
 
 /// Cross product of the second and third columns of the symmetric matrix (xx, xy, xz, yy, yz, zz), 1 / its determinant,

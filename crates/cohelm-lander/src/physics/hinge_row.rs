@@ -1,75 +1,69 @@
 //! The velocity equations of one hinge and their iteration: where most of the time goes.
 //!
 //! Sequential impulses: motor, then pin and limit together, each iteration starting from the velocities that the one before
-//! left. Every number is [`Lanes`], one lane a world.
+//! left. Written over [`Lanes`]: for one world, and for several side by side.
 
-use super::lanes::{Lanes, Mask};
+use super::lanes::Lanes;
 
-/// Velocity and spin of one body in `L` worlds.
+/// Velocity and spin of one body in one world or several.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Twist<const L: usize> {
-    pub x: Lanes<L>,
-    pub y: Lanes<L>,
-    pub omega: Lanes<L>,
+pub(crate) struct Twist<L> {
+    pub x: L,
+    pub y: L,
+    pub omega: L,
 }
 
-/// The velocity equations of one hinge in `L` worlds: what stays the same in all iterations of a step.
+/// The velocity equations of one hinge in one world or several: what stays the same in all iterations of a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HingeRow<const L: usize> {
+pub(crate) struct HingeRow<L> {
     /// From the hull's centre of mass to the pin, world frame.
-    pub hull_arm: [Lanes<L>; 2],
+    pub hull_arm: [L; 2],
     /// From the leg's centre of mass to the pin, world frame.
-    pub leg_arm: [Lanes<L>; 2],
+    pub leg_arm: [L; 2],
     /// Inverse mass and inverse inertia of hull, then of leg.
-    pub inverse_masses: [Lanes<L>; 4],
+    pub inverse_masses: [L; 4],
     /// The symmetric matrix of the three equations (pin x, pin y, limit): xx, xy, xz, yy, yz, zz.
-    pub matrix: [Lanes<L>; 6],
+    pub matrix: [L; 6],
     /// Cross product of its second and third columns (three numbers), 1 / its determinant, 1 / the pin's own determinant.
-    pub inverses: [Lanes<L>; 5],
-    pub motor_mass: Lanes<L>,
-    pub motor_speed: Lanes<L>,
-    pub max_motor_impulse: Lanes<L>,
+    pub inverses: [L; 5],
+    pub motor_mass: L,
+    pub motor_speed: L,
+    pub max_motor_impulse: L,
     /// +1 at the lower limit, −1 at the upper, 0 in between: the only direction in which the limit pushes.
-    pub limit_side: Lanes<L>,
+    pub limit_side: L,
 }
 
 /// Impulses summed over all iterations, and over earlier steps by warm starting.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sums<const L: usize> {
+pub(crate) struct Sums<L> {
     /// Of the pin, x and y.
-    pub pin: [Lanes<L>; 2],
-    pub limit: Lanes<L>,
-    pub motor: Lanes<L>,
+    pub pin: [L; 2],
+    pub limit: L,
+    pub motor: L,
 }
 
 /// What one iteration did at one hinge: enough to tell whether another one with the same velocities would do the same.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Push<const L: usize> {
+pub(crate) struct Push<L: Lanes> {
     /// What the motor would have added without its bounds.
-    pub motor_wanted: Lanes<L>,
-    pub motor: Lanes<L>,
+    pub motor_wanted: L,
+    pub motor: L,
     /// Pin x, pin y.
-    pub pin: [Lanes<L>; 2],
-    pub limit: Lanes<L>,
+    pub pin: [L; 2],
+    pub limit: L,
     /// What the limit had given before; counts only where it lets go.
-    pub limit_given: Lanes<L>,
+    pub limit_given: L,
     /// Where the limit would have had to pull, or is not reached at all.
-    pub lets_go: Mask<L>,
+    pub lets_go: L::Mask,
 }
 
-impl<const L: usize> Push<L> {
+impl Push<f32> {
     /// Before anything was done.
-    pub const NONE: Push<L> = Push {
-        motor_wanted: Lanes::ZERO,
-        motor: Lanes::ZERO,
-        pin: [Lanes::ZERO; 2],
-        limit: Lanes::ZERO,
-        limit_given: Lanes::ZERO,
-        lets_go: Mask([false; L]),
-    };
+    pub const NONE: Push<f32> =
+        Push { motor_wanted: 0.0, motor: 0.0, pin: [0.0; 2], limit: 0.0, limit_given: 0.0, lets_go: false };
 }
 
-impl<const L: usize> HingeRow<L> {
+impl<L: Lanes> HingeRow<L> {
     /// Applies the impulses that the hinge begins the step with.
     pub fn warm_start(&self, sums: &Sums<L>, hull: &mut Twist<L>, leg: &mut Twist<L>) {
         let [ma, ia, mb, ib] = self.inverse_masses;
@@ -118,42 +112,43 @@ impl<const L: usize> HingeRow<L> {
     /// An iteration is one chain of dependencies. A minimum and a maximum are links of it; a predicted branch is not, which is
     /// worth a quarter more steps a second.
     #[inline(always)]
-    pub fn bounded_motor(&self, sum: Lanes<L>) -> Lanes<L> {
+    pub fn bounded_motor(&self, sum: L) -> L {
         let max = self.max_motor_impulse;
-        if sum.less_than(max).every() && (-max).less_than(sum).every() {
+        if L::surely_all(sum.less_than(max)) && L::surely_all((-max).less_than(sum)) {
             return sum;
         }
         unusual();
-        let bounded = sum.less_than(max).choose(sum, max);
-        bounded.less_than(-max).choose(-max, bounded)
+        let bounded = L::choose(sum.less_than(max), sum, max);
+        L::choose(bounded.less_than(-max), -max, bounded)
     }
 
     /// Where this limit would have to pull for its impulses to have this sum.
     #[inline(always)]
-    pub fn would_pull(&self, limit_sum: Lanes<L>) -> Mask<L> {
-        (self.limit_side * limit_sum).less_than(Lanes::ZERO)
+    pub fn would_pull(&self, limit_sum: L) -> L::Mask {
+        (self.limit_side * limit_sum).less_than(limit_sum.alike(0.0))
     }
 
     /// The impulses of this iteration, and where the limit lets go. Pin and limit are solved together; where the limit would
     /// have to pull, it takes back what it has given in this step and the pin is solved alone.
     #[inline(always)]
-    fn pin_and_limit(&self, given: Lanes<L>, drift: [Lanes<L>; 3]) -> (Mask<L>, [Lanes<L>; 3]) {
-        let free = Mask(self.limit_side.0.map(|side| side == 0.0));
-        if free.every() {
+    fn pin_and_limit(&self, given: L, drift: [L; 3]) -> (L::Mask, [L; 3]) {
+        let free = self.limit_side.equals(given.alike(0.0));
+        if L::surely_all(free) {
             return (free, self.pin(given, drift));
         }
         let both = self.pin_with_limit(drift);
-        let lets_go = self.would_pull(given + both[2]).or(free);
-        if lets_go.none() {
+        let lets_go = L::either(self.would_pull(given + both[2]), free);
+        if L::surely_none(lets_go) {
             return (lets_go, both);
         }
         let pin = self.pin(given, drift);
-        (lets_go, std::array::from_fn(|axis| lets_go.choose(pin[axis], both[axis])))
+        let choose = |axis: usize| L::choose(lets_go, pin[axis], both[axis]);
+        (lets_go, [choose(0), choose(1), choose(2)])
     }
 
     /// Pin and limit held together.
     #[inline(always)]
-    fn pin_with_limit(&self, [bx, by, bz]: [Lanes<L>; 3]) -> [Lanes<L>; 3] {
+    fn pin_with_limit(&self, [bx, by, bz]: [L; 3]) -> [L; 3] {
         let [xx, xy, xz, yy, yz, zz] = self.matrix;
         let [cx, cy, cz, inverse_det, _] = self.inverses;
         let x = inverse_det * (bx * cx + by * cy + bz * cz);
@@ -166,7 +161,7 @@ impl<const L: usize> HingeRow<L> {
 
     /// The pin alone; the limit takes back what it has given (nothing, where it is free).
     #[inline(always)]
-    fn pin(&self, given: Lanes<L>, [drift_x, drift_y, _]: [Lanes<L>; 3]) -> [Lanes<L>; 3] {
+    fn pin(&self, given: L, [drift_x, drift_y, _]: [L; 3]) -> [L; 3] {
         let [xx, xy, xz, yy, yz, _] = self.matrix;
         let inverse_det = self.inverses[4];
         let (bx, by) = (-drift_x + given * xz, -drift_y + given * yz);
@@ -175,7 +170,7 @@ impl<const L: usize> HingeRow<L> {
 }
 
 #[inline(always)]
-fn cross<const L: usize>(arm: [Lanes<L>; 2], v: [Lanes<L>; 2]) -> Lanes<L> {
+fn cross<L: Lanes>(arm: [L; 2], v: [L; 2]) -> L {
     arm[0] * v[1] - arm[1] * v[0]
 }
 

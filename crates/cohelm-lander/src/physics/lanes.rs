@@ -1,105 +1,71 @@
-//! Several independent numbers side by side: the same operation on each, none ever mixed with another.
+//! The numbers that the solver is written over: an `f32` of one world, or one of each of several worlds side by side.
 //!
-//! With one lane this is plain scalar arithmetic. With eight, the compiler turns each operation into one vector
-//! instruction, and every lane still has the bits of the scalar computation.
+//! No operation mixes lanes, so every lane has the bits of its world alone.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// `L` numbers of `L` independent worlds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lanes<const L: usize>(pub [f32; L]);
+/// One number a lane. An `f32` has one lane.
+pub(crate) trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// One truth value a lane.
+    type Mask: Copy;
 
-/// One truth value a lane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mask<const L: usize>(pub [bool; L]);
+    /// The same number in every lane; as many lanes as `self` has.
+    fn alike(self, value: f32) -> Self;
 
-impl<const L: usize> Lanes<L> {
-    pub const ZERO: Lanes<L> = Lanes([0.0; L]);
+    fn less_than(self, other: Self) -> Self::Mask;
 
-    /// The same number in every lane.
-    #[inline(always)]
-    pub fn all(value: f32) -> Self {
-        Lanes([value; L])
-    }
+    fn equals(self, other: Self) -> Self::Mask;
 
-    #[inline(always)]
-    fn zip(self, other: Self, op: impl Fn(f32, f32) -> f32) -> Self {
-        let mut out = self;
-        for i in 0..L {
-            out.0[i] = op(self.0[i], other.0[i]);
-        }
-        out
-    }
-
-    #[inline(always)]
-    pub fn less_than(self, other: Self) -> Mask<L> {
-        let mut out = Mask([false; L]);
-        for i in 0..L {
-            out.0[i] = self.0[i] < other.0[i];
-        }
-        out
-    }
-}
-
-impl<const L: usize> Mask<L> {
-    #[inline(always)]
-    pub fn or(self, other: Self) -> Self {
-        let mut out = self;
-        for i in 0..L {
-            out.0[i] = self.0[i] || other.0[i];
-        }
-        out
-    }
-
-    #[inline(always)]
-    pub fn every(self) -> bool {
-        self.0.iter().fold(true, |every, lane| every & lane)
-    }
-
-    #[inline(always)]
-    pub fn none(self) -> bool {
-        !self.0.iter().fold(false, |any, lane| any | lane)
-    }
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
 
     /// `yes` where true, `no` elsewhere.
-    #[inline(always)]
-    pub fn choose(self, yes: Lanes<L>, no: Lanes<L>) -> Lanes<L> {
-        let mut out = no;
-        for i in 0..L {
-            out.0[i] = if self.0[i] { yes.0[i] } else { no.0[i] };
-        }
-        out
-    }
+    fn choose(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// True if the mask is known to be true in every lane. A branch that leaves out work pays for a single world only: where
+    /// there are several, some lane mostly needs the work, and the answer is always `false`.
+    fn surely_all(mask: Self::Mask) -> bool;
+
+    /// True if the mask is known to be false in every lane; see [`Lanes::surely_all`].
+    fn surely_none(mask: Self::Mask) -> bool;
 }
 
-impl<const L: usize> Add for Lanes<L> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
+impl Lanes for f32 {
+    type Mask = bool;
 
-impl<const L: usize> Sub for Lanes<L> {
-    type Output = Self;
     #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
+    fn alike(self, value: f32) -> f32 {
+        value
     }
-}
 
-impl<const L: usize> Mul for Lanes<L> {
-    type Output = Self;
     #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
+    fn less_than(self, other: f32) -> bool {
+        self < other
     }
-}
 
-impl<const L: usize> Neg for Lanes<L> {
-    type Output = Self;
     #[inline(always)]
-    fn neg(self) -> Self {
-        self.zip(self, |a, _| -a)
+    fn equals(self, other: f32) -> bool {
+        self == other
+    }
+
+    #[inline(always)]
+    fn either(a: bool, b: bool) -> bool {
+        a || b
+    }
+
+    #[inline(always)]
+    fn choose(mask: bool, yes: f32, no: f32) -> f32 {
+        if mask { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn surely_all(mask: bool) -> bool {
+        mask
+    }
+
+    #[inline(always)]
+    fn surely_none(mask: bool) -> bool {
+        !mask
     }
 }

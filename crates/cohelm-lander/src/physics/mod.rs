@@ -15,11 +15,16 @@ pub(crate) mod ground;
 mod hinge;
 mod hinge_row;
 mod impact;
+mod island;
 mod lanes;
 mod manifold;
+#[cfg(feature = "lanes")]
+mod packed;
 mod position;
 mod relax;
 mod shape;
+#[cfg(feature = "lanes")]
+pub(crate) mod together;
 mod tuning;
 pub(crate) mod vector;
 pub(crate) mod world;

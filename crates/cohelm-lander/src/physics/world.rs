@@ -2,10 +2,10 @@
 
 use super::body::{BODIES, Body, HULL, LEGS, parts};
 use super::contact::{Change, Contact};
-use super::contact_row::{ContactRow, Correction, Velocity};
+use super::contact_row::{ContactRow, Velocity};
 use super::ground::Ground;
 use super::hinge::Hinge;
-use super::hinge_row::Twist;
+use super::island::Island;
 use super::position::Position;
 use super::relax::{Hinges, Twists};
 use super::tuning::{MAX_ROTATION, MAX_TRANSLATION, SLEEP_SPEED, SLEEP_SPIN, TIME_TO_SLEEP_S};
@@ -69,13 +69,47 @@ impl World {
 
     /// Lets `step_s` seconds pass: contacts, velocities, positions, then impacts within the step.
     pub fn step(&mut self, step_s: f32) {
+        if let Some(mut island) = self.begin_step(step_s) {
+            island.solve_velocities(self.settings.velocity_iterations);
+            self.move_bodies(island, step_s);
+        }
+        self.end_step(step_s);
+    }
+
+    /// Up to the iterations over velocities, which are left to the caller. `None` when everything sleeps.
+    pub fn begin_step(&mut self, step_s: f32) -> Option<Island> {
         // Box2D scales last step's impulses by the ratio of the two steps' lengths; 0 in the first step.
         let step_ratio = if self.fresh { 0.0 } else { (1.0 / step_s) * step_s };
         if std::mem::take(&mut self.fresh) {
             self.find_contacts();
         }
         self.update_contacts();
-        self.solve(step_s, step_ratio);
+        let order = self.walk()?;
+        for body in &mut self.bodies {
+            body.wake();
+        }
+        Some(self.island(order, step_s, step_ratio))
+    }
+
+    /// From the iterations over velocities on: everything that is awake or joined to it moves.
+    pub fn move_bodies(&mut self, mut island: Island, step_s: f32) {
+        self.store_impulses(&island);
+        island.drift(step_s);
+        let settled = island.correct_positions(&self.hinges, &self.settings);
+        for (index, body) in self.bodies.iter_mut().enumerate() {
+            let sweep = &mut body.sweep;
+            (sweep.c0, sweep.a0) = (sweep.c, sweep.a);
+            body.take(&island.positions[index], Velocity::of(&island.twists[index]));
+        }
+        self.fall_asleep(step_s, settled);
+        for (body, part) in self.bodies.iter_mut().zip(parts()) {
+            body.refresh_box(part);
+        }
+        self.find_contacts();
+    }
+
+    /// Impacts within the step, and the end of the forces that acted in it.
+    pub fn end_step(&mut self, step_s: f32) {
         self.solve_impacts(step_s);
         for body in &mut self.bodies {
             body.force = Vec2::ZERO;
@@ -163,37 +197,24 @@ impl World {
         }
     }
 
-    /// One ordinary step of everything that is awake or joined to it.
-    fn solve(&mut self, step_s: f32, step_ratio: f32) {
-        let Some(order) = self.walk() else { return };
-        for body in &mut self.bodies {
-            body.wake();
-        }
-        let mut positions = self.bodies.each_ref().map(Position::of);
+    /// The equations of a step, the impulses of the last one applied.
+    fn island(&mut self, order: [usize; BODIES], step_s: f32, step_ratio: f32) -> Island {
+        let positions = self.bodies.each_ref().map(Position::of);
         let mut twists = self.accelerated(step_s);
-        let mut rows = self.contact_rows(order, step_ratio);
-        self.solve_velocities(&mut twists, &positions, &mut rows, (step_s, step_ratio));
-
-        for (index, position) in positions.iter_mut().enumerate() {
-            let mut velocity = Velocity::of(&twists[index]);
-            position.drift(&mut velocity, step_s);
-            twists[index] = velocity.twist();
+        let mut contacts = self.contact_rows(order, step_ratio);
+        for row in &mut contacts {
+            row.prepare(&positions[row.body]);
         }
-        let settled = self.correct_positions(&mut positions, &rows);
-        for (index, body) in self.bodies.iter_mut().enumerate() {
-            let sweep = &mut body.sweep;
-            (sweep.c0, sweep.a0) = (sweep.c, sweep.a);
-            body.take(&positions[index], Velocity::of(&twists[index]));
+        for row in &contacts {
+            row.warm_start(&mut twists);
         }
-        self.fall_asleep(step_s, settled);
-        for (body, part) in self.bodies.iter_mut().zip(parts()) {
-            body.refresh_box(part);
-        }
-        self.find_contacts();
+        let hinges = self.hinge_equations(&positions, step_s, step_ratio);
+        hinges.warm_start(&mut twists);
+        Island { positions, twists, hinges, contacts }
     }
 
     /// Velocities after gravity and the gathered forces have acted.
-    fn accelerated(&self, step_s: f32) -> Twists<1> {
+    fn accelerated(&self, step_s: f32) -> Twists<f32> {
         let gravity = vec2(0.0, self.settings.gravity as f32);
         std::array::from_fn(|index| {
             let (body, part) = (&self.bodies[index], &parts()[index]);
@@ -221,59 +242,25 @@ impl World {
         ContactRow::new(index, contact, &self.ground.edges()[contact.edge], &parts()[contact.body])
     }
 
-    fn hinge_equations(&mut self, positions: &[Position; BODIES], step_s: f32, step_ratio: f32) -> Hinges<1> {
+    fn hinge_equations(
+        &mut self,
+        positions: &[Position; BODIES],
+        step_s: f32,
+        step_ratio: f32,
+    ) -> Hinges<f32> {
         let rows = self.hinges.each_mut().map(|hinge| hinge.row(positions, step_s));
         let sums = self.hinges.each_ref().map(|hinge| hinge.sums(step_ratio));
         Hinges { rows, sums }
     }
 
-    fn solve_velocities(
-        &mut self,
-        twists: &mut Twists<1>,
-        positions: &[Position; BODIES],
-        contacts: &mut [ContactRow],
-        (step_s, step_ratio): (f32, f32),
-    ) {
-        for row in contacts.iter_mut() {
-            row.prepare(&positions[row.body]);
-        }
-        for row in contacts.iter() {
-            change(&mut twists[row.body], |velocity| row.warm_start(velocity));
-        }
-        let mut hinges = self.hinge_equations(positions, step_s, step_ratio);
-        hinges.warm_start(twists);
-        if contacts.is_empty() {
-            hinges.relax(twists, self.settings.velocity_iterations);
-        } else {
-            for _ in 0..self.settings.velocity_iterations {
-                hinges.iterate(twists);
-                for row in contacts.iter_mut() {
-                    change(&mut twists[row.body], |velocity| row.iterate(velocity));
-                }
-            }
-        }
-        for (hinge, sums) in self.hinges.iter_mut().zip(&hinges.sums) {
+    /// Keeps the impulses for the next step.
+    fn store_impulses(&mut self, island: &Island) {
+        for (hinge, sums) in self.hinges.iter_mut().zip(&island.hinges.sums) {
             hinge.store(sums);
         }
-        for row in contacts {
+        for row in &island.contacts {
             row.store(&mut self.contacts[row.contact].manifold);
         }
-    }
-
-    /// Iterates until overlaps and joint errors are small. True if they became so.
-    fn correct_positions(&self, positions: &mut [Position; BODIES], rows: &[ContactRow]) -> bool {
-        let [first, second] = &self.hinges;
-        for _ in 0..self.settings.position_iterations {
-            let mut deepest: f32 = 0.0;
-            for row in rows {
-                deepest = smaller(deepest, row.correct(&mut positions[row.body], Correction::STEP));
-            }
-            let (newer, older) = (second.correct(positions), first.correct(positions));
-            if Correction::STEP.tolerates(deepest) && newer && older {
-                return true;
-            }
-        }
-        false
     }
 
     /// Puts everything to sleep once all bodies have been still for long enough.
@@ -291,22 +278,12 @@ impl World {
     }
 }
 
-fn change(twist: &mut Twist<1>, change: impl FnOnce(&mut Velocity)) {
-    let mut velocity = Velocity::of(twist);
-    change(&mut velocity);
-    *twist = velocity.twist();
-}
-
 /// What the iterations over velocities begin with, for the tests of those iterations.
 #[cfg(test)]
 impl World {
-    pub fn velocity_problem(&self, step_s: f32) -> (Hinges<1>, Twists<1>) {
-        let mut world = self.clone();
-        let positions = world.bodies.each_ref().map(Position::of);
-        let mut twists = world.accelerated(step_s);
-        let hinges = world.hinge_equations(&positions, step_s, 1.0);
-        hinges.warm_start(&mut twists);
-        (hinges, twists)
+    pub fn velocity_problem(&self, step_s: f32) -> (Hinges<f32>, Twists<f32>) {
+        let island = self.clone().begin_step(step_s).expect("a craft in flight is awake");
+        (island.hinges, island.twists)
     }
 }
 

@@ -44,6 +44,7 @@ pub fn random_models(
         space: plant.space().clone(),
         state,
         goals,
+        goal_spread: None,
         encoder_version,
         sees_asked: false,
         free_outputs: false,

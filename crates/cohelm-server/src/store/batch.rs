@@ -5,7 +5,7 @@ use super::{
     Chunk, EpisodeId, FlightKey, ParticipantId, Record, StoreError, TokenHash, Trial, Write, queries, rows,
 };
 use cohelm::plant::Ending;
-use cohelm::trajectory::{FORMAT_VERSION, Setup};
+use cohelm::trajectory::Setup;
 
 /// A transaction under way; dropping it takes everything back.
 pub struct Batch(pub Box<dyn Transaction>);
@@ -101,7 +101,7 @@ impl Batch {
             Value::Bytes(key.as_ref().map(|key| key.0.as_slice())),
             (&setup.task.plant).into(),
             setup.plant_version.into(),
-            i64::from(FORMAT_VERSION).into(),
+            i64::from(setup.format()).into(),
             env!("CARGO_PKG_VERSION").into(),
             setup.rule.word().into(),
             seed.into(),

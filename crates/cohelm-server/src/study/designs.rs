@@ -34,24 +34,27 @@ pub fn resolve(design: &Design, plants: &Plants, models: &Models) -> Result<Reso
     let task = &design.task.task;
     let entry = plants.entry(task)?;
     let plant = plants.make(task)?;
-    let usual = |kind| models.newest_for(kind, task, plant.space()).map(|model| model.hash().to_owned());
-    let choose = |choice: &ModelChoice, kind| match choice {
-        ModelChoice::Shipped => usual(kind),
-        ModelChoice::Hash(hash) => Some(hash.clone()),
-    };
+    let usual = || models.newest_for(Kind::Values, task, plant.space()).map(|model| model.hash().to_owned());
     let of = |condition: &Condition| {
         let none = |kind| ResolveError::NoModel {
             condition: condition.name.clone(),
             kind,
             plant: task.plant.clone(),
         };
-        let values = choose(&design.task.values, Kind::Values);
+        let values = match &design.task.values {
+            ModelChoice::Shipped => usual(),
+            ModelChoice::Hash(hash) => Some(hash.clone()),
+        };
         if values.is_none() && entry.values.is_none() && condition.rule != cohelm::arbitration::Rule::Hic {
             return Err(none(Kind::Values));
         }
-        let intent = match condition.inference.head() {
-            Some(_) => Some(choose(&design.task.intent, Kind::Intent).ok_or_else(|| none(Kind::Intent))?),
-            None => None,
+        let intent = match (condition.inference.head(), &design.task.intent) {
+            (None, _) => None,
+            (Some(_), ModelChoice::Hash(hash)) => Some(hash.clone()),
+            (Some(_), ModelChoice::Shipped) => {
+                let usual = models.newest_intent(condition.inference, task, plant.space());
+                Some(usual.ok_or_else(|| none(Kind::Intent))?.hash().to_owned())
+            }
         };
         Ok(ResolvedModels { values, intent })
     };

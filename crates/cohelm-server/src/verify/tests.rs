@@ -110,6 +110,7 @@ async fn the_report_counts_everything_and_is_the_same_each_time() {
     let text = "\
 finished episodes             6
   identical                   5
+  from recorded states        0
   different                   1
   of another version          0
   a model is missing          0

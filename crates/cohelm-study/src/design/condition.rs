@@ -145,6 +145,12 @@ enum InferenceName {
     /// A network with calibrated probabilities.
     #[default]
     Calibrated,
+    /// The goal whose values explain best what is asked (Boltzmann-rational, recursive); no network but that of the values.
+    Bayesian,
+    /// The product of the two before.
+    CalibratedBayesian,
+    /// The co-pilot knows no goals: a network imagines one, and the values help to get there.
+    Imagined,
 }
 
 /// What is carried out when nothing is asked.
@@ -269,6 +275,9 @@ impl From<InferenceName> for Inference {
             InferenceName::InverseDistance => Self::InverseDistance,
             InferenceName::Softmax => Self::Softmax,
             InferenceName::Calibrated => Self::Calibrated,
+            InferenceName::Bayesian => Self::Bayesian,
+            InferenceName::CalibratedBayesian => Self::CalibratedBayesian,
+            InferenceName::Imagined => Self::Imagined,
         }
     }
 }

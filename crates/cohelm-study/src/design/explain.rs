@@ -272,6 +272,9 @@ fn inference_words(condition: &Condition) -> &'static str {
         (_, Inference::InverseDistance) => "network, inverse distances",
         (_, Inference::Softmax) => "network, softmax",
         (_, Inference::Calibrated) => "network, calibrated",
+        (_, Inference::Bayesian) => "by the values",
+        (_, Inference::CalibratedBayesian) => "network, calibrated, and by the values",
+        (_, Inference::Imagined) => "network that knows no goals",
     }
 }
 

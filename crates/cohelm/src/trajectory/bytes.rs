@@ -1,14 +1,17 @@
 //! A trajectory as bytes, and back: magic `CHLM`, one version byte, a JSON header of bounded length, two bytes a tick
-//! (more for axes), then the key log. Little-endian.
+//! (more for axes), then the key log, then the tape of a plant that was elsewhere. Little-endian.
 
 use super::{Digests, Setup, Trajectory};
 use crate::action::Action;
 use crate::keys::{Change, KeyEvent};
 use crate::plant::Ending;
+use crate::tape::{put_tape, read_tape};
 use serde::{Deserialize, Serialize};
 
 /// Version of these bytes. Whoever changes their meaning counts it up; older ones stay readable or are refused.
 pub const FORMAT_VERSION: u8 = 1;
+/// Version of the same bytes with a tape behind them.
+pub const TAPED_FORMAT_VERSION: u8 = 2;
 /// Most ticks a trajectory may hold: over an hour at 50 Hz.
 pub const MAX_TICKS: usize = 200_000;
 /// Most key events a trajectory may hold.
@@ -27,7 +30,7 @@ pub enum TrajectoryError {
     Foreign,
     /// Another version wrote them.
     #[error(
-        "this trajectory has format {0}, this program reads format {FORMAT_VERSION}; use the version that wrote it"
+        "this trajectory has format {0}, this program reads formats {FORMAT_VERSION} and {TAPED_FORMAT_VERSION}; use the version that wrote it"
     )]
     Version(u8),
     /// They end too early.
@@ -89,7 +92,7 @@ impl Trajectory {
         let header = serde_json::to_vec(&header).expect("a header of strings and numbers has a JSON form");
         let mut out = Vec::with_capacity(16 + header.len() + 2 * self.asked.len() + 11 * self.keys.len());
         out.extend_from_slice(MAGIC);
-        out.push(FORMAT_VERSION);
+        out.push(self.format());
         out.extend_from_slice(&(header.len() as u32).to_le_bytes());
         out.extend_from_slice(&header);
         for (asked, executed) in self.asked.iter().zip(&self.executed) {
@@ -97,7 +100,15 @@ impl Trajectory {
             put_action(&mut out, *executed);
         }
         self.keys.iter().for_each(|event| put_event(&mut out, event));
+        if let Some(tape) = &self.tape {
+            put_tape(&mut out, tape);
+        }
         out
+    }
+
+    /// The version of its bytes.
+    pub fn format(&self) -> u8 {
+        if self.tape.is_some() { TAPED_FORMAT_VERSION } else { FORMAT_VERSION }
     }
 
     /// The trajectory of these bytes.
@@ -107,7 +118,7 @@ impl Trajectory {
             return Err(TrajectoryError::Foreign);
         }
         let version = reader.byte()?;
-        if version != FORMAT_VERSION {
+        if ![FORMAT_VERSION, TAPED_FORMAT_VERSION].contains(&version) {
             return Err(TrajectoryError::Version(version));
         }
         let length = reader.u32()? as usize;
@@ -122,12 +133,14 @@ impl Trajectory {
             executed.push(reader.action()?);
         }
         let keys = (0..header.events).map(|_| reader.event()).collect::<Result<Vec<_>, _>>()?;
+        let taped = version == TAPED_FORMAT_VERSION;
+        let tape = if taped { Some(read_tape(&mut reader, header.ticks)?) } else { None };
         if !reader.rest.is_empty() {
             return Err(TrajectoryError::TooLong(reader.rest.len()));
         }
         let digests =
             Digests { plant: hex(&header.plant_digest)?, decisions: hex(&header.decisions_digest)? };
-        Ok(Self { setup: header.setup, asked, executed, keys, ending: header.ending, digests })
+        Ok(Self { setup: header.setup, asked, executed, keys, ending: header.ending, digests, tape })
     }
 }
 
@@ -176,12 +189,12 @@ fn hex(text: &str) -> Result<u64, TrajectoryError> {
     u64::from_str_radix(text, 16).map_err(|_| TrajectoryError::Field { what: "digest", value: text.into() })
 }
 
-struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
-    fn take(&mut self, count: usize) -> Result<&'a [u8], TrajectoryError> {
+    pub(crate) fn take(&mut self, count: usize) -> Result<&'a [u8], TrajectoryError> {
         if count > self.rest.len() {
             return Err(TrajectoryError::CutOff { expected: count, left: self.rest.len() });
         }
@@ -190,7 +203,7 @@ impl<'a> Reader<'a> {
         Ok(taken)
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], TrajectoryError> {
+    pub(crate) fn array<const N: usize>(&mut self) -> Result<[u8; N], TrajectoryError> {
         let mut array = [0; N];
         array.copy_from_slice(self.take(N)?);
         Ok(array)
@@ -200,7 +213,7 @@ impl<'a> Reader<'a> {
         Ok(self.array::<1>()?[0])
     }
 
-    fn u32(&mut self) -> Result<u32, TrajectoryError> {
+    pub(crate) fn u32(&mut self) -> Result<u32, TrajectoryError> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 

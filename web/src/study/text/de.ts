@@ -206,6 +206,7 @@ export const de: Words = {
     own: 'IHR ZIEL',
     ready: 'Bereit zum Flug',
     task: 'Kommen Sie an Ihrem Ziel zur Ruhe: dem bernsteinfarbenen mit ★.',
+    drag: 'Oder drücken Sie auf das Bild und ziehen Sie: wie mit einem Steuerknüppel unter Maus oder Finger.',
     start: 'Start',
     paused: 'Pause',
     pausedText: 'Alle Tasten sind losgelassen; die Zeit steht still.',

@@ -97,5 +97,8 @@ fn inference(inference: Inference) -> &'static str {
         Inference::InverseDistance => "network, inverse distances",
         Inference::Softmax => "network, softmax",
         Inference::Calibrated => "network, calibrated",
+        Inference::Bayesian => "by the values",
+        Inference::CalibratedBayesian => "network, calibrated, and by the values",
+        Inference::Imagined => "network that knows no goals",
     }
 }

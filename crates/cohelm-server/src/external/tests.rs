@@ -1,0 +1,233 @@
+//! The example in Python, flown from a page that these tests are, through a real socket.
+
+use super::*;
+use crate::serve::{bind, serve};
+use crate::store::{Page as ListPage, Progress, Store, unpack};
+use crate::testing::Disk;
+use crate::verify::verify_episodes;
+use cohelm::keys::Change;
+use cohelm::plant::Ending;
+use cohelm::trajectory::Trajectory;
+use futures_util::{SinkExt, StreamExt};
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+use tokio::net::TcpStream;
+use tokio::time::timeout;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest;
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+
+/// The example as a process; killed when it is dropped.
+struct Python {
+    child: Child,
+    address: Address,
+}
+
+impl Python {
+    fn start() -> Self {
+        let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/external-plant/plant.py");
+        let started = Command::new("python3").args([example, "--listen", "0"]).stdout(Stdio::piped()).spawn();
+        let mut child = started.expect("this test flies the example plant and needs python3 on the PATH");
+        let mut line = String::new();
+        BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+        let address = line.trim().strip_prefix("the cart listens at ").expect("an address").parse().unwrap();
+        Self { child, address }
+    }
+}
+
+impl Drop for Python {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A server that flies the example.
+async fn flying(python: &Python) -> (Disk, SocketAddr) {
+    let disk = Disk::new().await;
+    let server = disk.server().await;
+    let server = server.with_plant_elsewhere(Elsewhere::new(python.address.clone(), TimeOut::default()));
+    let listener = bind("127.0.0.1:0".parse().unwrap()).await.unwrap();
+    let address = listener.local_addr().unwrap();
+    tokio::spawn(serve(listener, server, std::future::pending()));
+    (disk, address)
+}
+
+struct Page {
+    socket: WebSocketStream<MaybeTlsStream<TcpStream>>,
+}
+
+impl Page {
+    async fn open(address: SocketAddr) -> Self {
+        let mut request = format!("ws://{address}/ws/external").into_client_request().unwrap();
+        request.headers_mut().insert("Origin", format!("http://{address}").parse().unwrap());
+        Self { socket: connect_async(request).await.unwrap().0 }
+    }
+
+    async fn say(&mut self, words: Value) {
+        self.socket.send(Message::Text(words.to_string().into())).await.unwrap();
+    }
+
+    async fn hear(&mut self) -> Value {
+        let heard = timeout(Duration::from_secs(20), self.socket.next()).await.expect("an answer in time");
+        match heard.expect("a message").unwrap() {
+            Message::Text(text) => serde_json::from_str(&text).unwrap(),
+            other => panic!("expected a message, got {other:?}"),
+        }
+    }
+
+    async fn begin(&mut self, seed: u64, rule: &str) -> Value {
+        self.say(json!({ "begin": { "seed": seed, "rule": { "rule": rule } } })).await;
+        self.hear().await
+    }
+
+    /// Flies with the stick towards the goal; `each` is told every tick that came, and may do more.
+    async fn fly(&mut self, ready: &Value, mut each: impl FnMut(u64)) -> Value {
+        let own = &ready["ready"]["opening"]["pilot_goal"];
+        let goals = ready["ready"]["opening"]["goals"].as_array().unwrap();
+        let goal = goals.iter().find(|goal| goal["id"] == *own).unwrap()["position"][0].as_f64().unwrap();
+        self.say(json!("start")).await;
+        let mut before = 0.0;
+        loop {
+            let heard = self.hear().await;
+            if heard.get("ended").is_some() {
+                return heard["ended"].clone();
+            }
+            let report = &heard["tick"]["report"];
+            let tick = report["tick"].as_u64().unwrap();
+            let x = report["poses"][0]["x"].as_f64().unwrap();
+            let push = (3.0 * (goal - x) - 150.0 * (x - before)).clamp(-1.0, 1.0);
+            before = x;
+            let change = Change::Stick([(push * 32767.0) as i16, 0, 0, 0]);
+            self.say(json!({ "change": { "change": change, "at_ms": 20.0 * tick as f32 } })).await;
+            each(tick);
+        }
+    }
+
+    /// Flies, and after some ticks says nothing more; gives how it ended.
+    async fn fall_silent(&mut self, after: u64) -> Value {
+        self.say(json!("start")).await;
+        loop {
+            let heard = self.hear().await;
+            if heard.get("ended").is_some() {
+                return heard["ended"].clone();
+            }
+            let tick = heard["tick"]["report"]["tick"].as_u64().unwrap();
+            if tick < after {
+                let change = Change::Stick([20_000 + tick as i16, 0, 0, 0]);
+                self.say(json!({ "change": { "change": change, "at_ms": 0.0 } })).await;
+            }
+        }
+    }
+}
+
+/// The record of the newest episode, once it is finished.
+async fn record(disk: &Disk) -> Trajectory {
+    for _ in 0..200 {
+        let rows = disk.store.episodes(ListPage::newest(1)).await.unwrap();
+        if let Some(row) = rows.iter().find(|row| matches!(row.progress, Progress::Finished { .. })) {
+            let packed = disk.store.record(row.id).await.unwrap().expect("a record");
+            return Trajectory::from_bytes(&unpack(&packed).unwrap()).unwrap();
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("no episode was finished");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_flight_from_the_page_to_the_goal_is_stored_and_verified_from_its_states() {
+    let python = Python::start();
+    let (disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    for (seed, rule) in [(1, "hic"), (2, "misc")] {
+        let ready = page.begin(seed, rule).await;
+        assert_eq!((&ready["ready"]["name"], &ready["ready"]["has_values"]), (&json!("cart"), &json!(false)));
+        let ended = page.fly(&ready, |_| ()).await;
+        assert_eq!((&ended["ending"], &ended["why"]), (&json!("goal"), &Value::Null), "{ended}");
+        assert!(ended["episode"].is_i64() && ended["corrected"] == 0, "{ended}");
+    }
+    assert_eq!(record(&disk).await.ending, Ending::Goal);
+    let report = verify_episodes(&disk.hangar()).await.unwrap();
+    assert!(report.holds(), "{report}");
+    assert_eq!((report.finished, report.as_recorded, report.identical), (2, 2, 0));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_plant_that_dies_in_mid_flight_ends_the_episode_and_the_next_may_begin() {
+    let mut python = Python::start();
+    let (disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    let ready = page.begin(1, "hic").await;
+    let ended = page.fly(&ready, |tick| {
+        if tick >= 5 {
+            python.child.kill().unwrap();
+        }
+    });
+    let ended = ended.await;
+    assert_eq!(
+        (&ended["ending"], &ended["why"]),
+        (&json!("abandoned"), &json!("the plant was lost: it closed the connection"))
+    );
+    let flown = record(&disk).await;
+    assert_eq!(flown.tape.unwrap().lost(), Some("it closed the connection"));
+    assert!(verify_episodes(&disk.hangar()).await.unwrap().holds());
+    let refused = page.begin(1, "hic").await;
+    assert!(refused["refused"]["reason"].as_str().unwrap().ends_with("start it first"), "{refused}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn who_falls_silent_lets_go_and_then_the_flight_ends() {
+    let python = Python::start();
+    let (disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    page.begin(1, "hic").await;
+    let ended = page.fall_silent(20).await;
+    assert_eq!(ended["why"], "nothing was heard from the page for 2 s");
+    let flown = record(&disk).await;
+    assert_eq!(flown.keys.last().unwrap().change, Change::ReleaseAll);
+    let neutral = flown.executed.iter().rev().take_while(|action| action.is_none()).count();
+    // Two seconds of silence less three tenths, at fifty ticks a second; less where the machine is busy.
+    assert!((40..=130).contains(&neutral), "{neutral} ticks with everything let go of");
+    assert!(verify_episodes(&disk.hangar()).await.unwrap().holds());
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_page_that_is_closed_lets_go_and_its_flight_is_stored() {
+    let python = Python::start();
+    let (disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    page.begin(1, "hic").await;
+    page.say(json!("start")).await;
+    page.say(json!({ "change": { "change": { "down": 1 }, "at_ms": 1.0 } })).await;
+    for _ in 0..10 {
+        page.hear().await;
+    }
+    drop(page);
+    let flown = record(&disk).await;
+    assert_eq!(flown.ending, Ending::Abandoned);
+    assert_eq!(flown.executed[flown.ticks() - 10..], [None; 10]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_page_flies_at_a_time_and_nonsense_ends_the_connection() {
+    let python = Python::start();
+    let (_disk, address) = flying(&python).await;
+    let mut first = Page::open(address).await;
+    assert!(first.begin(1, "hic").await.get("ready").is_some());
+    let mut second = Page::open(address).await;
+    let refused = second.begin(1, "hic").await;
+    assert!(refused["refused"]["reason"].as_str().unwrap().starts_with("somebody else"), "{refused}");
+    first.say(json!("stop")).await;
+    first.say(json!({ "fly": "me" })).await;
+    assert!(matches!(first.socket.next().await, Some(Ok(Message::Close(_)) | Err(_)) | None));
+    tokio::time::sleep(Duration::from_millis(200)).await;
+    assert!(second.begin(1, "hic").await.get("ready").is_some());
+}
+
+#[tokio::test]
+async fn without_a_plant_elsewhere_there_is_none_to_fly() {
+    let server = Disk::new().await.server().await;
+    assert_eq!(about(State(server)).await.0, json!({ "external": null }));
+}

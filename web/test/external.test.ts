@@ -1,0 +1,100 @@
+// @vitest-environment jsdom
+// What the page says to a plant that is elsewhere, and what it hears of it.
+
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { ExternalLink } from '../src/external';
+
+/** A server that writes down what it is told. */
+class Server extends EventTarget {
+  static readonly CONNECTING = 0;
+  static readonly OPEN = 1;
+  static last: Server;
+  readyState = Server.CONNECTING;
+  readonly told: unknown[] = [];
+
+  constructor() {
+    super();
+    Server.last = this;
+  }
+
+  open(): void {
+    this.readyState = Server.OPEN;
+    this.dispatchEvent(new Event('open'));
+  }
+
+  send(words: string): void {
+    this.told.push(JSON.parse(words));
+  }
+
+  say(words: unknown): void {
+    this.dispatchEvent(new MessageEvent('message', { data: JSON.stringify(words) }));
+  }
+
+  close(): void {
+    this.readyState = 3;
+    this.dispatchEvent(new Event('close'));
+  }
+}
+
+let heard: string[];
+let seen: boolean;
+let link: ExternalLink;
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.stubGlobal('WebSocket', Server);
+  [heard, seen] = [[], true];
+  const events = {
+    ready: () => heard.push('ready'),
+    tick: (_: unknown, late: number) => heard.push(`tick, ${late} late`),
+    ended: () => heard.push('ended'),
+    refused: (reason: string) => heard.push(reason),
+    closed: () => heard.push('closed'),
+  };
+  link = new ExternalLink('ws://here/ws/external', events, () => seen);
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+describe('the way to a plant elsewhere', () => {
+  it('says what the server reads, in order, also what was said before the connection stood', () => {
+    link.begin(7, { rule: 'misc' });
+    Server.last.open();
+    link.key('down', 2, 10);
+    link.key('release-all', 0, 20);
+    link.stick([1, 2, 3, 4], 30);
+    link.stop();
+    expect(Server.last.told).toEqual([
+      { begin: { seed: 7, rule: { rule: 'misc' } } },
+      { change: { change: { down: 2 }, at_ms: 10 } },
+      { change: { change: 'release-all', at_ms: 20 } },
+      { change: { change: { stick: [1, 2, 3, 4] }, at_ms: 30 } },
+      'stop',
+    ]);
+  });
+
+  it('says ten times a second that somebody is there, but not of a page that nobody sees, nor after the end', () => {
+    Server.last.open();
+    link.start();
+    vi.advanceTimersByTime(1000);
+    expect(Server.last.told).toEqual(['start', ...Array<string>(10).fill('here')]);
+    seen = false;
+    vi.advanceTimersByTime(1000);
+    seen = true;
+    Server.last.say({ ended: { ending: 'goal' } });
+    vi.advanceTimersByTime(1000);
+    expect(Server.last.told.length).toBe(11);
+  });
+
+  it('tells what it hears', () => {
+    Server.last.open();
+    Server.last.say({ ready: { name: 'cart' } });
+    Server.last.say({ tick: { report: {}, late: 3 } });
+    Server.last.say({ refused: { reason: 'the plant cannot be reached' } });
+    Server.last.close();
+    expect(heard).toEqual(['ready', 'tick, 3 late', 'the plant cannot be reached', 'closed']);
+  });
+});
