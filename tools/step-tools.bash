@@ -41,17 +41,17 @@ reported_elsewhere_alike() {
 # date, machine and the seconds it took.
 measured() {
     need_program jq jq
-    build
     # (LC_ALL: a decimal point is a point.)
     local name=$1 LC_ALL=C TIMEFORMAT='{"wall": %R, "user": %U, "system": %S}'
     shift
+    [[ $1 != cohelm ]] || build
     { time "$@" >"$scratch/printed" 2>&3; } 3>&2 2>"$scratch/seconds"
     mkdir -p docs/measured
     jq --null-input --arg command "$*" --arg date "$(date -u +%F)" --arg rust "$(rustc --version)" \
         --argjson cores "$(getconf _NPROCESSORS_ONLN)" --arg processor "$(processor)" \
         --slurpfile seconds "$scratch/seconds" --slurpfile result "$scratch/printed" \
         '{$command, $date, machine: {$processor, $cores, $rust}, seconds: $seconds[0], result: $result[0]}' \
-        | sed "s|$scratch/||g" >"docs/measured/$name.json"
+        | sed "s|$scratch/||g; s|$PWD/||g" >"docs/measured/$name.json"
     echo "docs/measured/$name.json: $(jq --compact-output .seconds "docs/measured/$name.json")"
 }
 

@@ -13,13 +13,20 @@ use pyo3::prelude::*;
 const MOST_CANDIDATES: usize = 1 << 16;
 
 /// A rule of arbitration with its parameters.
-#[pyclass(module = "cohelm", frozen)]
+#[pyclass(module = "cohelm._native", frozen)]
 pub struct Rule {
     rule: CoreRule,
+    median_range: Option<f64>,
     arbiter: Box<dyn Arbiter>,
 }
 
 impl Rule {
+    fn of(rule: CoreRule, median_range: Option<f64>) -> PyResult<Self> {
+        // Without a model's card the regret is meant in the values' own units.
+        let arbiter = rule.arbiter(median_range.unwrap_or(1.0)).map_err(|error| Kind::Option.error(error))?;
+        Ok(Self { rule, median_range, arbiter })
+    }
+
     /// The rule for a cockpit.
     pub fn rule(&self) -> CoreRule {
         self.rule
@@ -31,10 +38,20 @@ impl Rule {
     #[new]
     #[pyo3(signature = (name, *, alpha=None, kappa=None, median_range=None))]
     fn new(name: &str, alpha: Option<f64>, kappa: Option<f64>, median_range: Option<f64>) -> PyResult<Self> {
-        let rule = named(name, alpha, kappa)?;
-        // Without a model's card the regret is meant in the values' own units.
-        let arbiter = rule.arbiter(median_range.unwrap_or(1.0)).map_err(|error| Kind::Option.error(error))?;
-        Ok(Self { rule, arbiter })
+        Self::of(named(name, alpha, kappa)?, median_range)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, Option<f64>))> {
+        let rule = serde_json::to_string(&slf.get().rule).map_err(|error| Kind::Run.error(error))?;
+        Ok((slf.get_type().getattr("_unpickled")?, (rule, slf.get().median_range)))
+    }
+
+    /// The rule that was pickled as this.
+    #[staticmethod]
+    fn _unpickled(rule: &str, median_range: Option<f64>) -> PyResult<Self> {
+        let rule = serde_json::from_str(rule)
+            .map_err(|error| Kind::Option.error(format!("this is no pickled Rule: {error}")))?;
+        Self::of(rule, median_range)
     }
 
     /// The rule's word.

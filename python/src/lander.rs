@@ -4,10 +4,12 @@ use crate::errors::Kind;
 use crate::picture::picture;
 use cohelm::plant::Ending;
 use cohelm_lander::craft::Engines;
-use cohelm_lander::gymnasium::{Action, GymnasiumLander, GymnasiumOptions, Observation};
+use cohelm_lander::gymnasium::{Action, GymnasiumLander, GymnasiumOptions, Observation, Outcome};
 use cohelm_lander::gymnasium_plant::GymnasiumPlant;
+use cohelm_lander::random::Generator;
 use numpy::{PyArray1, PyArray3, PyReadonlyArray1};
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Gymnasium's options, checked.
 pub fn options(gravity: f64, wind: (bool, f64, f64)) -> PyResult<GymnasiumOptions> {
@@ -33,14 +35,38 @@ pub fn continuous(throttles: &[f32]) -> PyResult<Action> {
     }
 }
 
-/// Gymnasium's LunarLander-v3, bit for bit. A copy is a snapshot that goes on with the same bits.
+/// Gymnasium's LunarLander-v3, bit for bit. A copy, or a pickle, goes on with the same bits.
 #[pyclass(module = "cohelm", from_py_object)]
 #[derive(Clone)]
 pub struct Lander {
     world: GymnasiumLander,
+    options: GymnasiumOptions,
     is_continuous: bool,
     burning: Engines,
     begun: bool,
+    /// From what the episode can be flown again: the random numbers before it, and its actions.
+    born: Generator,
+    actions: Vec<Action>,
+}
+
+/// A lander as it is pickled: nothing of the world, which the episode flown again brings back.
+#[derive(Serialize, Deserialize)]
+struct Pickled {
+    continuous: bool,
+    gravity: f64,
+    wind: (bool, f64, f64),
+    begun: bool,
+    born: Generator,
+    actions: Vec<Flown>,
+}
+
+/// An action as it is pickled.
+#[derive(Serialize, Deserialize)]
+enum Flown {
+    /// The index of a discrete one.
+    D(u8),
+    /// Main and lateral throttle.
+    C(f32, f32),
 }
 
 /// Observation, reward, and how the episode ended, if it did.
@@ -59,7 +85,8 @@ impl Lander {
     ) -> PyResult<Self> {
         let options = options(gravity, (enable_wind, wind_power, turbulence_power))?;
         let world = GymnasiumLander::new(options).map_err(|error| Kind::Option.error(error))?;
-        Ok(Self { world, is_continuous: continuous, burning: Engines::OFF, begun: false })
+        let (is_continuous, burning, born) = (continuous, Engines::OFF, world.random().clone());
+        Ok(Self { world, options, is_continuous, burning, begun: false, born, actions: Vec::new() })
     }
 
     /// Begins the episode that `seed` fixes; without one, another with the random numbers that follow.
@@ -68,12 +95,8 @@ impl Lander {
         if seed.is_none() && !self.begun {
             return Err(Kind::Closed.error("the first episode needs a seed: reset(seed=…)"));
         }
-        (self.begun, self.burning) = (true, Engines::OFF);
-        let observation = match seed {
-            Some(seed) => self.world.reset(seed),
-            None => self.world.restart(),
-        };
-        Ok(array(py, &observation))
+        let random = seed.map_or_else(|| self.world.random().clone(), Generator::new);
+        Ok(array(py, &self.begin(random)))
     }
 
     /// One tick: observation (8 × float32), reward, and how the episode ended, if it did. The time limit of the
@@ -93,8 +116,7 @@ impl Lander {
                     .error("expected a whole number from 0 to 3; for throttles make Lander(continuous=True)")
             })?)?
         };
-        self.burning = action.engines();
-        let outcome = self.world.step(action);
+        let outcome = self.fly(action);
         let ending = outcome.ending.filter(|ending| *ending != Ending::TimeLimit).map(Ending::word);
         Ok((array(py, &outcome.observation), outcome.reward, ending))
     }
@@ -123,11 +145,67 @@ impl Lander {
         self.clone()
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let text = serde_json::to_string(&slf.borrow().pickled()).map_err(|error| Kind::Run.error(error))?;
+        Ok((slf.get_type().getattr("_unpickled")?, (text,)))
+    }
+
+    /// The lander that was pickled as this text: its episode is flown again up to where it was.
+    #[staticmethod]
+    fn _unpickled(text: &str) -> PyResult<Self> {
+        let wrong =
+            |error: serde_json::Error| Kind::Option.error(format!("this is no pickled Lander: {error}"));
+        let Pickled { continuous: is_continuous, gravity, wind, begun, born, actions } =
+            serde_json::from_str(text).map_err(wrong)?;
+        let mut lander = Self::new(is_continuous, gravity, wind.0, wind.1, wind.2)?;
+        if begun {
+            lander.begin(born);
+        }
+        for action in actions {
+            lander.fly(match action {
+                Flown::D(index) => discrete(index.into())?,
+                Flown::C(main, lateral) => continuous(&[main, lateral])?,
+            });
+        }
+        Ok(lander)
+    }
+
     /// What it looks like: height × width × 3, uint8.
     #[pyo3(signature = (width=600, height=400))]
     fn render<'py>(&self, py: Python<'py>, width: u32, height: u32) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let plant = GymnasiumPlant::of(self.world.clone(), self.burning);
         picture(py, &plant, [width, height])
+    }
+}
+
+impl Lander {
+    fn begin(&mut self, random: Generator) -> Observation {
+        (self.begun, self.burning) = (true, Engines::OFF);
+        self.actions.clear();
+        self.born = random.clone();
+        self.world.restart_with(random)
+    }
+
+    fn fly(&mut self, action: Action) -> Outcome {
+        self.burning = action.engines();
+        self.actions.push(action);
+        self.world.step(action)
+    }
+
+    fn pickled(&self) -> Pickled {
+        let GymnasiumOptions { gravity, enable_wind, wind_power, turbulence_power } = self.options;
+        let flown = |action: &Action| match *action {
+            Action::Throttles([main, lateral]) => Flown::C(main, lateral),
+            action => Flown::D(Action::DISCRETE.iter().position(|known| *known == action).unwrap_or(0) as u8),
+        };
+        Pickled {
+            continuous: self.is_continuous,
+            gravity,
+            wind: (enable_wind, wind_power, turbulence_power),
+            begun: self.begun,
+            born: self.born.clone(),
+            actions: self.actions.iter().map(flown).collect(),
+        }
     }
 }
 

@@ -1,8 +1,10 @@
 //! Models: ours, read from files; and values from somewhere else.
 
 use crate::errors::Kind;
+use crate::world::plants;
 use cohelm::action::Action;
 use cohelm::plant::View;
+use cohelm::registry::Task;
 use cohelm::value::{ActionValues, ValueModel as CoreValues};
 use cohelm_copilot::encode::ValueEncoder;
 use cohelm_copilot::model::Network;
@@ -277,6 +279,32 @@ pub fn shipped<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         }
     }
     Ok(all)
+}
+
+/// The models among them that are meant for a plant with these options, unless others are named: of values, and of intent
+/// (if a goal is to be imagined, one that was trained without seeing goals).
+#[pyfunction]
+#[pyo3(signature = (plant, options_json, *, imagined=false))]
+pub fn shipped_for(
+    plant: &str,
+    options_json: &str,
+    imagined: bool,
+) -> PyResult<(Option<ValueModel>, Option<IntentModel>)> {
+    let options = serde_json::from_str(options_json).map_err(|error| Kind::Option.error(error))?;
+    let task = Task { plant: plant.into(), options };
+    let plant = plants().make(&task).map_err(|error| Kind::Option.error(error))?;
+    let (models, _) = shipped_models::models();
+    let usual = |kind| models.newest_for(kind, &task, plant.space()).cloned();
+    let imagines = |model: &&Model| {
+        let card = model.card();
+        card.kind == ModelKind::Intent
+            && card.task.plant == task.plant
+            && card.space == *plant.space()
+            && card.goals == 0
+    };
+    let intent =
+        if imagined { models.iter().rev().find(imagines).cloned() } else { usual(ModelKind::Intent) };
+    Ok((usual(ModelKind::Values).map(ValueModel::of), intent.map(|model| IntentModel { model })))
 }
 
 /// Weights and bias of a layer.

@@ -21,7 +21,7 @@ const MOST_WORLDS: usize = 1 << 20;
 
 /// When a world whose episode ended begins the next one.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Autoreset {
+pub enum Autoreset {
     /// At the next step, which then carries no action out.
     NextStep,
     /// At once: the observation is the new episode's first, the last one is kept apart.
@@ -315,7 +315,8 @@ fn pool(threads: usize) -> PyResult<Option<ThreadPool>> {
     pool.map(Some).map_err(|error| Kind::Run.error(error))
 }
 
-fn autoreset_of(word: &str) -> PyResult<Autoreset> {
+/// Reads the word for one.
+pub fn autoreset_of(word: &str) -> PyResult<Autoreset> {
     match word {
         "next-step" => Ok(Autoreset::NextStep),
         "same-step" => Ok(Autoreset::SameStep),
@@ -327,7 +328,8 @@ fn autoreset_of(word: &str) -> PyResult<Autoreset> {
     }
 }
 
-fn expect_length(what: &str, came: usize, expected: usize) -> PyResult<()> {
+/// Refuses a list that is not one a world.
+pub fn expect_length(what: &str, came: usize, expected: usize) -> PyResult<()> {
     if came == expected {
         Ok(())
     } else {

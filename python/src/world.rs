@@ -5,10 +5,8 @@ use crate::arbitration::Rule;
 use crate::errors::Kind;
 use crate::models::{IntentModel, ValueModel};
 use crate::picture::picture;
-use crate::training::person;
 use cohelm::action::{Action, ActionSpace};
 use cohelm::cockpit::{Cockpit, Silence, Tick};
-use cohelm::human::{Person, Population};
 use cohelm::intent::{
     Evidence, Head, Inference, IntentModel as CoreIntent, NearestGoal, Product, Told, ValueIntent,
 };
@@ -24,6 +22,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use sync_wrapper::SyncWrapper;
 
@@ -35,6 +34,13 @@ pub fn plants() -> Plants {
     plants.register(cohelm_arm::entry());
     plants.register(cohelm::point::entry());
     plants
+}
+
+/// The plants there are: name → what it is.
+#[pyfunction]
+#[pyo3(name = "plants")]
+pub fn plant_names() -> BTreeMap<&'static str, &'static str> {
+    plants().entries().iter().map(|entry| (entry.name, entry.summary)).collect()
 }
 
 /// Reads a word of ours, such as an inference, or says which there are.
@@ -60,7 +66,7 @@ pub struct World {
 }
 
 /// What a cockpit is made of, anew for each episode.
-struct Help {
+pub struct Help {
     rule: Py<Rule>,
     inference: Inference,
     silence: Silence,
@@ -68,10 +74,15 @@ struct Help {
     intent: Option<Py<IntentModel>>,
 }
 
-/// Asks for what it was told to ask for.
-struct Told(Option<Action>);
+/// [`Help`] as it is pickled; inference and answer to silence as JSON.
+type PickledHelp = (Py<Rule>, String, String, Option<Py<ValueModel>>, Option<Py<IntentModel>>);
+/// Plant, options as JSON, help, and seed and requests of the episode if one has begun.
+type Pickled = (String, String, Option<PickledHelp>, Option<(u64, Vec<Py<PyAny>>)>);
 
-impl Pilot for Told {
+/// Asks for what somebody else asks for.
+pub struct Relay(pub Option<Action>);
+
+impl Pilot for Relay {
     fn begin(&mut self, _seed: u64) {}
 
     fn ask(&mut self, _view: &View<'_>, _goal: usize) -> Option<Action> {
@@ -95,21 +106,8 @@ impl World {
     ) -> PyResult<Self> {
         let options = serde_json::from_str(options_json).map_err(|error| Kind::Option.error(error))?;
         let task = Task { plant: plant.into(), options };
-        let plant = plants().make(&task).map_err(|error| Kind::Option.error(error))?;
         let (inference, silence) = (word("inference", inference)?, word("answer to silence", silence)?);
-        let help = rule.map(|rule| Help { rule, inference, silence, values, intent });
-        // Made once here, so that what does not fit is said before the first episode.
-        let cockpit = help.as_ref().map(|help| help.cockpit(plant.as_ref())).transpose()?;
-        Ok(Self {
-            plant: SyncWrapper::new(plant),
-            help,
-            cockpit: SyncWrapper::new(cockpit),
-            begun: false,
-            over: false,
-            seed: 0,
-            asked: Vec::new(),
-            task,
-        })
+        Self::of(task, rule.map(|rule| Help { rule, inference, silence, values, intent }))
     }
 
     /// Begins the episode of a seed.
@@ -148,7 +146,7 @@ impl World {
             }
             Some(cockpit) => {
                 let space = plant.space().clone();
-                let tick = cockpit.tick(plant.as_mut(), &mut Told(asked));
+                let tick = cockpit.tick(plant.as_mut(), &mut Relay(asked));
                 describe(py, &record, &space, &tick)?;
                 tick.step
             }
@@ -246,7 +244,7 @@ impl World {
                 let mut cockpit = help.cockpit(plant.as_ref())?;
                 cockpit.begin();
                 for asked in &self.asked {
-                    cockpit.tick(plant.as_mut(), &mut Told(*asked));
+                    cockpit.tick(plant.as_mut(), &mut Relay(*asked));
                 }
                 (plant, Some(cockpit))
             }
@@ -261,6 +259,60 @@ impl World {
             asked: self.asked.clone(),
             task: self.task.clone(),
         })
+    }
+
+    /// What a pickle holds: plant and options, what its cockpits are made of, and seed and requests of the episode.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
+        let py = slf.py();
+        let make = slf.get_type().getattr("_unpickled")?;
+        let mut world = slf.borrow_mut();
+        let text = |value: serde_json::Result<String>| value.map_err(|error| Kind::Run.error(error));
+        let options = text(serde_json::to_string(&world.task.options))?;
+        let help = match world.help.as_ref().map(|help| help.clone_ref(py)) {
+            None => None,
+            Some(Help { rule, inference, silence, values, intent }) => Some((
+                rule,
+                text(serde_json::to_string(&inference))?,
+                text(serde_json::to_string(&silence))?,
+                values,
+                intent,
+            )),
+        };
+        let space = world.plant.get_mut().space().clone();
+        let asked = |asked: &Option<Action>| to_python(py, &space, *asked);
+        let asked = world.asked.iter().map(asked).collect::<PyResult<Vec<_>>>()?;
+        Ok((make, (world.task.plant.clone(), options, help, world.begun.then_some((world.seed, asked)))))
+    }
+
+    /// The world that was pickled as this: its episode is flown again up to where it was.
+    #[staticmethod]
+    #[allow(clippy::needless_pass_by_value, reason = "they come from Python")]
+    fn _unpickled(
+        plant: &str,
+        options_json: &str,
+        help: Option<PickledHelp>,
+        flight: Option<(u64, Vec<Bound<'_, PyAny>>)>,
+    ) -> PyResult<Self> {
+        let wrong =
+            |error: serde_json::Error| Kind::Option.error(format!("this is no pickled World: {error}"));
+        let task = Task { plant: plant.into(), options: serde_json::from_str(options_json).map_err(wrong)? };
+        let help = match help {
+            None => None,
+            Some((rule, inference, silence, values, intent)) => {
+                let inference = serde_json::from_str(&inference).map_err(wrong)?;
+                let silence = serde_json::from_str(&silence).map_err(wrong)?;
+                Some(Help { rule, inference, silence, values, intent })
+            }
+        };
+        let mut world = Self::of(task, help)?;
+        if let Some((seed, asked)) = flight {
+            world.reset(seed)?;
+            let space = world.plant.get_mut().space().clone();
+            for asked in asked {
+                world.advance(from_python(&space, Some(&asked))?);
+            }
+        }
+        Ok(world)
     }
 
     fn __copy__(&mut self, py: Python<'_>) -> PyResult<Self> {
@@ -284,6 +336,48 @@ impl World {
 }
 
 impl World {
+    fn of(task: Task, help: Option<Help>) -> PyResult<Self> {
+        let plant = plants().make(&task).map_err(|error| Kind::Option.error(error))?;
+        // Made once here, so that what does not fit is said before the first episode.
+        let cockpit = help.as_ref().map(|help| help.cockpit(plant.as_ref())).transpose()?;
+        Ok(Self {
+            plant: SyncWrapper::new(plant),
+            help,
+            cockpit: SyncWrapper::new(cockpit),
+            begun: false,
+            over: false,
+            seed: 0,
+            asked: Vec::new(),
+            task,
+        })
+    }
+
+    /// One tick, of which nobody wants to know more than that it was.
+    fn advance(&mut self, asked: Option<Action>) {
+        let plant = self.plant.get_mut();
+        let step = match self.cockpit.get_mut() {
+            None => plant.step(asked),
+            Some(cockpit) => cockpit.tick(plant.as_mut(), &mut Relay(asked)).step,
+        };
+        self.over = step.ending.is_some();
+        self.asked.push(asked);
+    }
+
+    /// Plant and options.
+    pub fn task(&self) -> &Task {
+        &self.task
+    }
+
+    /// The plant as it is now.
+    pub fn plant(&mut self) -> &dyn Plant {
+        &**self.plant.get_mut()
+    }
+
+    /// What it was made of: plant and options, and what its cockpits are made of.
+    pub fn recipe(&self, py: Python<'_>) -> (Task, Option<Help>) {
+        (self.task.clone(), self.help.as_ref().map(|help| help.clone_ref(py)))
+    }
+
     fn copied_plant(&mut self) -> PyResult<Box<dyn Plant>> {
         let copy = self.plant.get_mut().snapshot();
         copy.ok_or_else(|| Kind::Option.error("this plant cannot be copied"))
@@ -301,7 +395,8 @@ impl Help {
         }
     }
 
-    fn cockpit(&self, plant: &dyn Plant) -> PyResult<Cockpit> {
+    /// A cockpit for an episode of a plant; an error if its models are for another.
+    pub fn cockpit(&self, plant: &dyn Plant) -> PyResult<Cockpit> {
         let (values, median_range) = match self.estimator(plant)? {
             Some(estimator) => estimator,
             None => (Box::new(NoOpinion::new(plant.space())) as Box<dyn CoreValues>, f64::NAN),
@@ -396,47 +491,4 @@ fn describe(
     record.set_item("executed", to_python(py, space, tick.executed)?)?;
     record.set_item("intervened", tick.intervention.map(|intervention| intervention.effective))?;
     record.set_item("opposed", tick.intervention.map(|intervention| intervention.opposed))
-}
-
-/// A model of a person at the keys of a world.
-#[pyclass(module = "cohelm")]
-pub struct SimulatedPilot {
-    pilot: SyncWrapper<Box<dyn Pilot>>,
-    space: ActionSpace,
-}
-
-#[pymethods]
-impl SimulatedPilot {
-    /// Participant `index` of those that `seed` draws from a population.
-    #[new]
-    #[pyo3(signature = (world, *, population="ordinary", seed=1, index=0))]
-    fn new(world: &mut World, population: &str, seed: u64, index: u64) -> PyResult<Self> {
-        let population: Population = population.parse().map_err(|error| Kind::Option.error(error))?;
-        let plant = world.plant.get_mut();
-        let who = Person { population, seed, index };
-        let pilot = person(&plants(), &world.task, plant.as_ref(), who);
-        let pilot = pilot.map_err(|error| Kind::Option.error(error))?;
-        Ok(Self { pilot: SyncWrapper::new(pilot), space: plant.space().clone() })
-    }
-
-    /// Begins an episode; whatever is random about the pilot comes from the seed.
-    fn reset(&mut self, seed: u64) {
-        self.pilot.get_mut().begin(seed);
-    }
-
-    /// What it asks for in the world as it is now.
-    fn ask(&mut self, py: Python<'_>, world: &mut World) -> PyResult<Py<PyAny>> {
-        let plant = world.plant.get_mut();
-        if self.space != *plant.space() {
-            return Err(Kind::Action.error("this pilot was made for another world's actions"));
-        }
-        let asked = self.pilot.get_mut().ask(&plant.view(), plant.pilot_goal());
-        to_python(py, &self.space, asked)
-    }
-
-    /// Keys pressed since the episode began.
-    #[getter]
-    fn key_presses(&mut self) -> u32 {
-        self.pilot.get_mut().key_presses()
-    }
 }

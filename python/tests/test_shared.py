@@ -69,8 +69,8 @@ def test_human_alone_carries_out_what_is_asked():
     env.reset(seed=0)
     for action in [2, 0, 3, 6, 5]:
         tick = env.step(action)[4]
-        assert tick["executed"] == (None if action == 6 else action)
-        assert tick["intervened"] in (False, None)
+        assert tick["asked"] == tick["executed"] == (-1 if action == 6 else action)
+        assert tick["intervened"] is False and tick["opposed"] is False
 
 
 def test_values_from_elsewhere_steer():
@@ -94,9 +94,14 @@ def test_values_from_elsewhere_steer():
     "make, error, words",
     [
         (lambda: gymnasium.make("cohelm/FlagLander-v1", gravty=1), cohelm.OptionError, "gravty"),
+        (
+            lambda: gymnasium.make("cohelm/FlagLander-v1", vanishes_at=50),
+            cohelm.OptionError,
+            "vanishes_at.*cohelm.World",
+        ),
         (lambda: gymnasium.make("cohelm/FlagLander-v1", actions="keys"), cohelm.OptionError, "actions"),
         (lambda: gymnasium.make("cohelm/SharedControl-v1", inference="guess"), cohelm.OptionError, "guess"),
-        (lambda: cohelm.World("drone"), cohelm.OptionError, "no plant is called"),
+        (lambda: cohelm.World("rowing-boat"), cohelm.OptionError, "no plant is called"),
         (lambda: cohelm.ValueModel.load("no-such-file"), cohelm.ModelError, "cannot read"),
         (lambda: cohelm.World("flag-lander").step(0), cohelm.ClosedError, "reset"),
         (lambda: cohelm.Lander(gravity=1.0), cohelm.OptionError, "between -12 and 0"),

@@ -60,6 +60,29 @@ fn the_architecture_stays_within_one_reading() {
     assert!(lines <= 150, "ARCHITECTURE.md has {lines} lines; at most 150 are promised");
 }
 
+/// Versions by package, from a Cargo.lock.
+fn locked(lock: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let text = fs::read_to_string(root().join(lock)).unwrap();
+    let mut versions: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for package in text.split("[[package]]\n").skip(1) {
+        let value = |line: Option<&str>| line.and_then(|line| line.split('"').nth(1)).unwrap().to_string();
+        let mut lines = package.lines();
+        versions.entry(value(lines.next())).or_default().insert(value(lines.next()));
+    }
+    versions
+}
+
+/// A job of a sweep that the binary planned and a Python worker runs names the sources and the one Cargo.lock.
+#[test]
+fn the_python_package_is_built_from_the_versions_that_the_binary_is_built_from() {
+    let (binary, package) = (locked("Cargo.lock"), locked("python/Cargo.lock"));
+    assert!(package.contains_key("libm") && binary.contains_key("libm"));
+    for (name, versions) in package {
+        let known = binary.get(&name).is_none_or(|known| versions.is_subset(known));
+        assert!(known, "{name}: python/Cargo.lock has {versions:?}, Cargo.lock {:?}", binary[&name]);
+    }
+}
+
 #[test]
 fn only_the_binary_and_the_page_name_a_plant() {
     for (name, needs) in map() {

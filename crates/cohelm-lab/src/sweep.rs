@@ -56,7 +56,7 @@ pub enum SweepError {
     Training(#[from] LearnError),
     /// A job for another program.
     #[error(
-        "the job was planned for {planned}, this worker is {here}: the bits could differ; install the same version everywhere"
+        "the job was planned for {planned}, this worker is {here}: the bits could differ; build planner and workers from the same sources, or plan the sweep anew with this program"
     )]
     Code {
         /// What the job says.

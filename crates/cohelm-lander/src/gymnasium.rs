@@ -194,6 +194,12 @@ impl GymnasiumLander {
         self.obey(Order::Reset(seed)).observation
     }
 
+    /// Begins the episode that these random numbers fix: what [`GymnasiumLander::random`] gave before another began it.
+    pub fn restart_with(&mut self, random: Generator) -> Observation {
+        self.random = random;
+        self.restart()
+    }
+
     /// `reset()`: begins another episode with the random numbers that follow.
     pub fn restart(&mut self) -> Observation {
         self.obey(Order::Restart).observation
@@ -294,6 +300,11 @@ impl GymnasiumLander {
     /// What the last tick, or the reset, showed.
     pub fn observation(&self) -> Observation {
         observation(&self.state())
+    }
+
+    /// The random numbers that follow.
+    pub fn random(&self) -> &Generator {
+        &self.random
     }
 
     /// Ticks flown since the episode began.

@@ -1,9 +1,10 @@
 //! numpy's `Generator` as Gymnasium uses it: on top of the loop's own [`Draws`], whole numbers from half a draw.
 
 use cohelm::random::Draws;
+use serde::{Deserialize, Serialize};
 
 /// `numpy.random.Generator(PCG64(SeedSequence(seed)))`: the same draws in the same order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Generator {
     draws: Draws,
     /// The upper half of the last 64 bits, if only the lower half has been used.

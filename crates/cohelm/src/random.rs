@@ -2,10 +2,11 @@
 
 use rand_core::Rng;
 use rand_pcg::Lcg128Xsl64;
+use serde::{Deserialize, Serialize};
 
 /// A stream of random numbers fixed by one seed: PCG64 (XSL-RR 128/64), seeded through `SeedSequence` exactly as
-/// `numpy.random.default_rng(seed)` is.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// `numpy.random.default_rng(seed)` is. Written down and read again it goes on where it was.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Draws {
     stream: Lcg128Xsl64,
 }
@@ -99,6 +100,14 @@ mod tests {
 
     // Recorded with numpy 2.4.6: g = np.random.default_rng(SEED); [float(g.random()).hex() for _ in range(3)], then
     // g.uniform(-2, 5).
+    #[test]
+    fn what_was_written_down_goes_on_where_it_was() {
+        let mut draws = Draws::new(11);
+        draws.bits();
+        let mut read: Draws = serde_json::from_str(&serde_json::to_string(&draws).unwrap()).unwrap();
+        assert_eq!([read.bits(), read.bits()], [draws.bits(), draws.bits()]);
+    }
+
     #[test]
     fn draws_are_numpys() {
         for (seed, units, uniform) in NUMPY {

@@ -118,8 +118,48 @@ class World:
         """A picture, shape (height, width, 3)."""
 
 @final
+class PlantVector:
+    """Worlds of a plant side by side. The arrays it returns are its own and are written anew by the next call."""
+
+    def __init__(
+        self,
+        help: World,
+        worlds: int,
+        *,
+        goal_visible: bool = True,
+        autoreset: str = "next-step",
+        threads: int = 0,
+    ) -> None: ...
+    @property
+    def worlds(self) -> int:
+        """How many worlds."""
+    @property
+    def width(self) -> int:
+        """Numbers of one observation."""
+    def reset(self, seeds: list[int | None]) -> NDArray[np.float32]:
+        """Begins the episodes of these seeds, where there is one; observations, shape (worlds, width)."""
+    def step(
+        self, actions: NDArray[np.int64] | NDArray[np.float32], seeds: NDArray[np.uint64]
+    ) -> tuple[
+        NDArray[np.float32],
+        NDArray[np.float64],
+        NDArray[np.bool_],
+        NDArray[np.bool_],
+        NDArray[np.float32],
+        NDArray[np.bool_],
+    ]:
+        """Observations (worlds, width), rewards, terminated, truncated (worlds,), last observations (worlds, width), and
+        which worlds began the episode of their seed."""
+    def stages(self) -> dict[str, NDArray[Any]]:
+        """The stages of the last tick, an entry a world."""
+    def endings(self) -> list[str | None]:
+        """How the episode of each world ended in the last step; None where it goes on."""
+    def pilot_goals(self) -> NDArray[np.int64]:
+        """Index of the pilot's own goal in every world."""
+
+@final
 class SimulatedPilot:
-    """A model of a person at the keys of a world; never a person."""
+    """A model of a person at the keys of a world; never a person. A copy, or a pickle, is the same person before an episode."""
 
     def __init__(self, world: World, *, population: str = "ordinary", seed: int = 1, index: int = 0) -> None: ...
     def reset(self, seed: int) -> None:
@@ -204,6 +244,14 @@ class IntentModel:
 
 def shipped() -> dict[str, ValueModel | IntentModel]:
     """The models that come with the package, by name."""
+
+def shipped_for(
+    plant: str, options_json: str, *, imagined: bool = False
+) -> tuple[ValueModel | None, IntentModel | None]:
+    """The models among them that are meant for a plant with these options, unless others are named."""
+
+def plants() -> dict[str, str]:
+    """The plants there are: what each is, by name."""
 
 def train_values(order_json: str, progress: Callable[[str, int, int], None] | None = None) -> tuple[ValueModel, str]:
     """See :func:`cohelm.train_values`."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .envs import FlagLander
+from .envs import PlantTask
 
 if TYPE_CHECKING:
     from minari import MinariDataset
@@ -61,9 +61,8 @@ def _fly(env: Any, choose: Choose, number: int, seed: int) -> Any:
 
 def _kept(info: dict[str, Any], env: Any) -> dict[str, Any]:
     kept: dict[str, Any] = {}
-    if isinstance(env, FlagLander) and env.world.commands:
-        executed = info.get("executed")
-        kept["executed"] = np.int64(-1 if executed is None else executed)
+    if isinstance(env, PlantTask) and env.world.commands:
+        kept["executed"] = np.int64(info.get("executed", -1))
         kept["confidence"] = np.float32(info.get("confidence", 0.0))
         kept["inferred_goal"] = np.int64(info.get("goal", -1))
         kept["goal"] = np.int64(env.world.pilot_goal)

@@ -13,7 +13,7 @@ from ._native import LanderVector
 from .envs import lander_spaces
 from .errors import ClosedError, OptionError
 
-_MODES = {
+MODES = {
     AutoresetMode.NEXT_STEP: "next-step",
     AutoresetMode.SAME_STEP: "same-step",
     AutoresetMode.DISABLED: "disabled",
@@ -65,7 +65,7 @@ class LunarLanderVector(VectorEnv):
             enable_wind=enable_wind,
             wind_power=wind_power,
             turbulence_power=turbulence_power,
-            autoreset=_MODES[mode],
+            autoreset=MODES[mode],
             threads=threads,
         )
 

@@ -32,8 +32,7 @@ def test_what_is_loaded_is_what_was_flown():
         for step, action in enumerate(episode.actions):
             observation, reward, terminated, truncated, tick = again.step(action)
             assert np.array_equal(episode.observations[step + 1], observation) and episode.rewards[step] == reward
-            executed = -1 if tick["executed"] is None else tick["executed"]
-            assert episode.infos["executed"][step + 1] == executed
+            assert episode.infos["executed"][step + 1] == tick["executed"]
             assert episode.infos["confidence"][step + 1] == 1.0
         assert terminated == episode.terminations[-1] and truncated == episode.truncations[-1]
     recovered = data.recover_environment()

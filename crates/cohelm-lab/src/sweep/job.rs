@@ -10,9 +10,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::fmt;
 
-/// Changes whenever equal jobs give other records although nothing else in [`Code`] changed: the simulated pilots, the
-/// measures, the layout of the record.
-const RECORDS: u32 = 1;
+/// Names the sources of this program: its build script says of which.
+const SOURCES: &str = env!("COHELM_SOURCES");
 
 /// A small record in; its outcome is a small record out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,8 +29,9 @@ pub struct Job {
 pub struct Code {
     /// Version of cohelm.
     pub cohelm: String,
-    /// Version of the records of sweeps.
-    pub records: u32,
+    /// Names the sources that it was built from (hexadecimal): another build of the same version has the same only if
+    /// nothing that has a part in a job was changed.
+    pub sources: String,
     /// Version of the plant.
     pub plant: u32,
     /// Fingerprint of the control loop's networks.
@@ -113,7 +113,7 @@ impl Code {
         };
         Ok(Self {
             cohelm: env!("CARGO_PKG_VERSION").into(),
-            records: RECORDS,
+            sources: SOURCES.into(),
             plant: plants.entry(task)?.version,
             networks: format!("{:016x}", cohelm_nn::fingerprint::EXPECTED),
             kernel: trains.then(cohelm_nn::kernel_name),
@@ -123,8 +123,8 @@ impl Code {
 
 impl fmt::Display for Code {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { cohelm, records, plant, networks, kernel } = self;
-        write!(to, "cohelm {cohelm} (records {records}, plant {plant}, networks {networks}")?;
+        let Self { cohelm, sources, plant, networks, kernel } = self;
+        write!(to, "cohelm {cohelm} (sources {sources}, plant {plant}, networks {networks}")?;
         kernel.iter().try_for_each(|kernel| write!(to, ", trains {kernel}"))?;
         to.write_str(")")
     }

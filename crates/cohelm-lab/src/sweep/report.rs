@@ -14,8 +14,8 @@ use cohelm_study::statistics::bootstrap::{Bootstrapped, Options, bootstrap, stra
 use cohelm_study::text::Text;
 use std::collections::BTreeMap;
 
-/// Points at which a profile is computed.
-const THRESHOLDS: usize = 41;
+/// Most thresholds at which a profile is computed; where runs have fewer different values, these.
+const MOST_THRESHOLDS: usize = 41;
 /// Resamples of a profile's band, at each threshold.
 const BAND_RESAMPLES: usize = 2000;
 
@@ -52,17 +52,17 @@ pub fn write_report(folder: &Folder) -> Result<Vec<String>, SweepError> {
 pub fn document(title: &str, finished: &[Finished], planned: usize) -> Result<Document, SweepError> {
     let mut document = Document::new(title);
     document.lead = Text::from(format!("{} of {planned} jobs have finished.", finished.len()));
-    document.facts = vec![("Program".into(), format!("cohelm {}", env!("CARGO_PKG_VERSION")))];
+    document.facts = vec![("Program".into(), program(finished))];
     let (flown, trained): (Vec<&Finished>, Vec<&Finished>) = finished.iter().partition(|one| one.flew());
     if !flown.is_empty() {
         let words = "Every participant of this sweep is a model of a person.";
         document.push(Block::warning("The pilots are simulated", words));
-        let group = Group { runs: &flown, unit: "simulated participant" };
+        let group = Group { runs: &flown, unit: "simulated participant", by_head: true };
         group.section(&mut document, "Flights", &OF_FLIGHTS, ("success", "Success rate"))?;
         document.push(Block::figure(group.trade_off()?, "Each point is a condition.", "figures/trade-off"));
     }
     if !trained.is_empty() {
-        let group = Group { runs: &trained, unit: "training" };
+        let group = Group { runs: &trained, unit: "training", by_head: false };
         group.section(
             &mut document,
             "Trainings",
@@ -75,10 +75,18 @@ pub fn document(title: &str, finished: &[Finished], planned: usize) -> Result<Do
     Ok(document)
 }
 
+/// The code that flew or trained: the same for all jobs of a plan.
+fn program(finished: &[Finished]) -> String {
+    let sources = finished.first().map(|one| format!(", sources {}", one.planned.job.code.sources));
+    format!("cohelm {}{}", env!("CARGO_PKG_VERSION"), sources.unwrap_or_default())
+}
+
 /// Runs that are compared with each other.
 struct Group<'a> {
     runs: &'a [&'a Finished],
     unit: &'static str,
+    /// Whether conditions are compared rule with rule, each head (or whatever else follows the rule in their names) by itself.
+    by_head: bool,
 }
 
 impl Group<'_> {
@@ -153,45 +161,51 @@ impl Group<'_> {
         }
     }
 
-    /// Share of the runs above a threshold, for every threshold.
+    /// Share of the runs above a threshold, for every threshold. A rule that needs no head is in the panels of all heads.
     fn profile(&self, key: &str, name: &str) -> Result<cohelm_study::figures::Figure, SweepError> {
-        let conditions = self.conditions();
-        let curve = |(index, condition): (usize, &&str)| {
-            let strata = self.strata(condition, key);
-            let (sizes, values): (Vec<usize>, Vec<f64>) =
-                (strata.iter().map(Vec::len).collect(), strata.concat());
-            let options = Options { resamples: BAND_RESAMPLES, ..Options::default() };
-            let (mut points, mut band) = (Vec::new(), Vec::new());
-            for step in 0..THRESHOLDS {
-                let threshold = step as f64 / (THRESHOLDS - 1) as f64;
-                let above = |chosen: &[usize]| {
-                    let count = chosen.iter().filter(|&&run| values[run] > threshold).count();
-                    Some(count as f64 / chosen.len() as f64)
-                };
-                let all: Vec<usize> = (0..values.len()).collect();
-                let at = above(&all).unwrap_or(0.0);
-                points.push((threshold, at));
-                band.push(
-                    bootstrap(&sizes, above, options)
-                        .map_or((at, at), |of| (of.interval.low, of.interval.high)),
-                );
+        let conditions: Vec<&str> =
+            self.conditions().into_iter().filter(|name| !self.strata(name, key).is_empty()).collect();
+        let mut rules: Vec<&str> = Vec::new();
+        let mut heads: Vec<&str> = Vec::new();
+        for (rule, head) in conditions.iter().map(|name| self.rule_and_head(name)) {
+            if !rules.contains(&rule) {
+                rules.push(rule);
             }
-            Curve { condition: index, points, band }
+            if head.is_some_and(|head| !heads.contains(&head)) {
+                heads.extend(head);
+            }
+        }
+        let panel = |head: Option<&str>| {
+            let curves = conditions.iter().filter_map(|name| {
+                let (rule, of) = self.rule_and_head(name);
+                let condition = rules.iter().position(|known| *known == rule)?;
+                (of.is_none() || of == head).then(|| profile_curve(condition, &self.strata(name, key)))
+            });
+            CurvePanel { title: head.unwrap_or("all runs").into(), curves: curves.collect() }
         };
-        let with_values =
-            conditions.iter().enumerate().filter(|(_, name)| !self.strata(name, key).is_empty());
-        let panel = CurvePanel { title: name.into(), curves: with_values.map(curve).collect() };
+        let panels = if heads.is_empty() {
+            vec![panel(None)]
+        } else {
+            heads.iter().map(|head| panel(Some(head))).collect()
+        };
         let figure = Curves {
             heading: Heading::new(
                 "Performance profiles",
-                format!("Share of runs that do better; a run is one {}", self.unit),
+                format!("Share of runs that do better than a threshold; a run is one {}", self.unit),
             ),
-            x: Axis::share(name),
+            x: Axis::share(format!("Threshold: {}", name.to_lowercase())),
             y: Axis::share("Share of runs above"),
-            conditions: Conditions::in_order(conditions.iter().copied()),
-            panels: vec![panel],
+            conditions: Conditions::in_order(rules.iter().copied()),
+            panels,
         };
         Ok(figure.figure()?)
+    }
+
+    fn rule_and_head<'n>(&self, condition: &'n str) -> (&'n str, Option<&'n str>) {
+        match condition.split_once(", ") {
+            Some((rule, head)) if self.by_head => (rule, Some(head)),
+            _ => (condition, None),
+        }
     }
 
     /// Success against what help costs, both with their intervals.
@@ -213,6 +227,40 @@ impl Group<'_> {
         };
         Ok(figure.figure()?)
     }
+}
+
+/// A staircase: the share is the same from one threshold up to the next.
+fn profile_curve(condition: usize, strata: &[Vec<f64>]) -> Curve {
+    let (sizes, values): (Vec<usize>, Vec<f64>) = (strata.iter().map(Vec::len).collect(), strata.concat());
+    let options = Options { resamples: BAND_RESAMPLES, ..Options::default() };
+    let all: Vec<usize> = (0..values.len()).collect();
+    let thresholds = thresholds(&values);
+    let (mut points, mut band) = (Vec::new(), Vec::new());
+    for (index, &threshold) in thresholds.iter().enumerate() {
+        let above = |chosen: &[usize]| {
+            let count = chosen.iter().filter(|&&run| values[run] > threshold).count();
+            Some(count as f64 / chosen.len() as f64)
+        };
+        let at = above(&all).unwrap_or(0.0);
+        let interval =
+            bootstrap(&sizes, above, options).map_or((at, at), |of| (of.interval.low, of.interval.high));
+        let until = thresholds.get(index + 1).copied().unwrap_or(1.0);
+        points.extend([(threshold, at), (until, at)]);
+        band.extend([interval, interval]);
+    }
+    Curve { condition, points, band }
+}
+
+/// Where the share of shares above can change: the values themselves, or an even grid where they are many.
+fn thresholds(values: &[f64]) -> Vec<f64> {
+    let mut thresholds: Vec<f64> =
+        values.iter().copied().chain([0.0]).filter(|x| (0.0..1.0).contains(x)).collect();
+    thresholds.sort_by(f64::total_cmp);
+    thresholds.dedup();
+    if thresholds.len() > MOST_THRESHOLDS {
+        thresholds = (0..MOST_THRESHOLDS).map(|step| step as f64 / MOST_THRESHOLDS as f64).collect();
+    }
+    thresholds
 }
 
 fn nodes_table(finished: &[Finished]) -> Table {

@@ -83,9 +83,12 @@ fn a_job_is_named_by_everything_it_depends_on() {
     let name = one.hash().unwrap();
     let read: Job = serde_json::from_str(&serde_json::to_string(&one).unwrap()).unwrap();
     assert_eq!(read.hash().unwrap(), name);
-    let mut of_other_code = one.clone();
-    of_other_code.code.plant += 1;
-    assert_ne!(of_other_code.hash().unwrap(), name);
+    let mut of_another_plant = one.clone();
+    of_another_plant.code.plant += 1;
+    assert_ne!(of_another_plant.hash().unwrap(), name);
+    let mut of_another_build = one.clone();
+    of_another_build.code.sources.replace_range(..1, "x");
+    assert_ne!(of_another_build.hash().unwrap(), name);
     let Work::Fly(mut flights) = one.work.clone() else { panic!("it flies") };
     flights.values = Some("another model".into());
     assert_ne!(Job { work: Work::Fly(flights), ..one }.hash().unwrap(), name);
@@ -120,6 +123,7 @@ fn the_report_has_every_condition_and_says_what_is_missing() {
     let text = document("Small", &finished, planned.len()).unwrap().markdown();
     assert!(text.contains("18 of 20 jobs have finished"), "{text}");
     assert!(text.contains("misc-r 0.5, softmax"));
+    assert!(text.contains(&format!("sources {}", planned[0].job.code.sources)));
     assert_eq!(by_episode(&finished).rows().len(), 2 * finished.len());
     assert_eq!(by_job(&finished).rows().len(), finished.len());
     assert_eq!(where_it_ran(&finished).rows().len(), finished.len());
@@ -162,7 +166,24 @@ fn a_worker_with_other_code_refuses() {
     let mut job = world.plan(SMALL).unwrap().remove(0).job;
     job.code.cohelm = "0.0.9".into();
     let refused = run_job(&job, &world.lab()).unwrap_err().to_string();
-    assert!(refused.contains("cohelm 0.0.9") && refused.contains("install the same version"), "{refused}");
+    assert!(refused.contains("cohelm 0.0.9") && refused.contains("same sources"), "{refused}");
+}
+
+/// What [`Folder::plan`] calls finished is of these sources: what another build left in the folder is not taken for it.
+#[test]
+fn what_another_build_finished_runs_again() {
+    let (world, scratch) = (World::new(), tempfile::tempdir().unwrap());
+    let planned = world.plan(SMALL).unwrap();
+    let first = &planned[..1];
+    assert_eq!((world.run(first, scratch.path(), 1), world.run(first, scratch.path(), 1)), (1, 0));
+    let mut job = first[0].job.clone();
+    job.code.sources = "0123456789abcdef".into();
+    let of_another_build = Planned { hash: job.hash().unwrap(), job, ..first[0].clone() };
+    let folder = Folder::open(scratch.path()).unwrap();
+    folder.plan(SMALL, std::slice::from_ref(&of_another_build), &[]).unwrap();
+    assert_eq!(folder.open_jobs(std::slice::from_ref(&of_another_build)).len(), 1);
+    let refused = run_job(&of_another_build.job, &world.lab()).unwrap_err().to_string();
+    assert!(refused.contains("sources 0123456789abcdef"), "{refused}");
 }
 
 #[test]

@@ -197,10 +197,10 @@ impl Body {
         self.settle();
     }
 
-    /// Widens the broad phase's box if the shape has left it anywhere along the sweep.
-    pub fn refresh_box(&mut self, part: &Part) {
+    /// Widens the broad phase's box if the shape has left it anywhere along the sweep, which began with this rotation.
+    pub fn refresh_box(&mut self, part: &Part, before: Rotation) {
         let sweep = &self.sweep;
-        let before = Transform::about_center(sweep.c0, Rotation::of(sweep.a0), sweep.local_center);
+        let before = Transform::about_center(sweep.c0, before, sweep.local_center);
         let swept = part.shape.aabb(before).joined(part.shape.aabb(self.place));
         if self.wide_box.contains(swept) {
             return;

@@ -9,7 +9,7 @@ use super::distance::Pair;
 use super::impact::time_of_impact;
 use super::position::Position;
 use super::tuning::{MAX_SUB_STEPS, TOI_POSITION_ITERATIONS};
-use super::vector::smaller;
+use super::vector::{Rotation, smaller};
 use super::world::World;
 
 /// What one step remembers of a contact's impacts.
@@ -104,7 +104,8 @@ impl World {
         self.bodies[body].wake();
         let island = self.impact_island(index, body);
         self.solve_island(&island, body, (1.0 - alpha) * step_s);
-        self.bodies[body].refresh_box(&parts()[body]);
+        let state = &mut self.bodies[body];
+        state.refresh_box(&parts()[body], Rotation::of(state.sweep.a0));
         for (contact, impacts) in self.contacts.iter().zip(&mut calendar.impacts) {
             if contact.body == body {
                 impacts.next = None;

@@ -13,8 +13,9 @@ use super::lanes::Lanes;
 /// Most lanes that any instruction set gives.
 pub(crate) const MOST_LANES: usize = 32;
 
-/// `V` registers of instruction set `S`.
+/// `V` registers of instruction set `S`, in memory aligned so that none straddles two cache lines.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(crate) struct Packed<S: Simd, const V: usize> {
     simd: S,
     registers: [S::f32s; V],
@@ -79,9 +80,7 @@ impl<S: Simd, const V: usize> Packed<S, V> {
     #[inline(always)]
     fn compare(self, other: Self, op: impl Fn(S::f32s, S::f32s) -> S::m32s) -> PackedMask<S, V> {
         let mut registers = [op(self.registers[0], other.registers[0]); V];
-        for (register, (a, b)) in
-            registers.iter_mut().zip(self.registers.into_iter().zip(other.registers)).skip(1)
-        {
+        for (register, (a, b)) in registers.iter_mut().zip(self.registers.into_iter().zip(other.registers)) {
             *register = op(a, b);
         }
         PackedMask { simd: self.simd, registers }

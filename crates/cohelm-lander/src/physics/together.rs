@@ -18,15 +18,17 @@ const FEWEST: usize = 4;
 pub(crate) fn step(worlds: &mut [&mut World], step_s: f32) {
     let mut islands = Vec::with_capacity(worlds.len());
     for (index, world) in worlds.iter_mut().enumerate() {
-        islands.extend(world.begin_step(step_s).map(|island| (index, island)));
+        if let Some(island) = world.begin_step(step_s) {
+            islands.push((index, island));
+        }
     }
     let iterations = worlds.first().map_or(0, |world| world.settings.velocity_iterations);
     let (mut free, mut touching): (Vec<_>, Vec<_>) =
         islands.iter_mut().map(|(_, island)| island).partition(|island| island.contacts.is_empty());
     Arch::new().dispatch(Relax { islands: &mut free, iterations });
     touching.iter_mut().for_each(|island| island.solve_velocities(iterations));
-    for (index, island) in islands {
-        worlds[index].move_bodies(island, step_s);
+    for (index, island) in &mut islands {
+        worlds[*index].move_bodies(island, step_s);
     }
     worlds.iter_mut().for_each(|world| world.end_step(step_s));
 }

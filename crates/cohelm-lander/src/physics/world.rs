@@ -71,7 +71,7 @@ impl World {
     pub fn step(&mut self, step_s: f32) {
         if let Some(mut island) = self.begin_step(step_s) {
             island.solve_velocities(self.settings.velocity_iterations);
-            self.move_bodies(island, step_s);
+            self.move_bodies(&mut island, step_s);
         }
         self.end_step(step_s);
     }
@@ -92,19 +92,18 @@ impl World {
     }
 
     /// From the iterations over velocities on: everything that is awake or joined to it moves.
-    pub fn move_bodies(&mut self, mut island: Island, step_s: f32) {
-        self.store_impulses(&island);
+    pub fn move_bodies(&mut self, island: &mut Island, step_s: f32) {
+        self.store_impulses(island);
         island.drift(step_s);
         let settled = island.correct_positions(&self.hinges, &self.settings);
-        for (index, body) in self.bodies.iter_mut().enumerate() {
+        for (index, (body, part)) in self.bodies.iter_mut().zip(parts()).enumerate() {
             let sweep = &mut body.sweep;
             (sweep.c0, sweep.a0) = (sweep.c, sweep.a);
+            let rotation = body.place.rotation;
             body.take(&island.positions[index], Velocity::of(&island.twists[index]));
+            body.refresh_box(part, rotation);
         }
         self.fall_asleep(step_s, settled);
-        for (body, part) in self.bodies.iter_mut().zip(parts()) {
-            body.refresh_box(part);
-        }
         self.find_contacts();
     }
 
