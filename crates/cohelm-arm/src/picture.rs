@@ -49,7 +49,8 @@ pub fn poses(arm: &Arm, poses: &mut Vec<Pose>) {
     let shoulder = [0.0; 2];
     poses.clear();
     poses.extend([at(shoulder, upper_arm), at(elbow, fore_arm), at(shoulder, 0.0), at(elbow, 0.0)]);
-    poses.extend([at(hand, fore_arm), at(hand, fore_arm)]);
+    // The hand is round: upright, so that whoever reads its tilt reads none.
+    poses.extend([at(hand, fore_arm), at(hand, 0.0)]);
 }
 
 fn part(role: Role, shapes: Vec<Shape>) -> Part {
