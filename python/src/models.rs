@@ -7,7 +7,7 @@ use cohelm::plant::View;
 use cohelm::registry::Task;
 use cohelm::value::{ActionValues, ValueModel as CoreValues};
 use cohelm_copilot::encode::ValueEncoder;
-use cohelm_copilot::model::Network;
+use cohelm_copilot::model::{Network, ValueNetwork};
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Kind as ModelKind, Model, shipped as shipped_models};
 use cohelm_nn::lstm::LstmState;
@@ -172,8 +172,14 @@ impl ValueModel {
         let mut outputs = Vec::new();
         match &self.source {
             Source::Trained(model) => {
-                let Network::Values(network) = model.network() else {
-                    return Err(wrong_kind(model, ModelKind::Values));
+                let network = match model.network() {
+                    Network::Values(ValueNetwork::Commands(network)) => network,
+                    Network::Values(ValueNetwork::Axes(_)) => {
+                        let message = "values of actions on axes come from a critic, which has no outputs of its own; \
+                                       ask for the values of actions instead";
+                        return Err(Kind::Model.error(message));
+                    }
+                    Network::Intent(_) => return Err(wrong_kind(model, ModelKind::Values)),
                 };
                 expect_inputs(network.shape().input(), width)?;
                 let mut scratch = MlpScratch::new(network.shape());

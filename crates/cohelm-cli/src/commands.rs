@@ -4,6 +4,7 @@ pub mod bench;
 pub mod episodes;
 pub mod evaluate;
 pub mod fly;
+pub mod intents;
 mod kills;
 pub mod reproduce;
 pub mod study;

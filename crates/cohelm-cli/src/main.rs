@@ -27,6 +27,8 @@ enum Command {
     Train(commands::train::Train),
     /// Fly fresh episodes with the goal known and count how they end.
     Evaluate(commands::evaluate::Evaluate),
+    /// Compare inferences of the goal: right goals, calibration, and what comes of a changed mind.
+    Intents(commands::intents::Intents),
     /// Reproduce the paper's experiment with simulated pilots.
     Reproduce(commands::reproduce::Reproduce),
     /// Check, try, run and report a study with people.
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Fly(fly) => fly.run(),
         Command::Train(train) => train.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
+        Command::Intents(intents) => intents.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
         Command::Study(study) => study.run(),
         Command::Sweep(sweep) => sweep.run(),

@@ -1,7 +1,7 @@
 //! What the networks see, as numbers. Each encoding has a version that belongs to the model: whoever changes the
 //! meaning of an input counts it up, and models of the older version are refused instead of misread.
 
-use cohelm::action::Action;
+use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Goal, View};
 
 /// Version of [`ValueEncoder`].
@@ -57,26 +57,43 @@ impl ValueEncoder {
     }
 }
 
-/// What the intent networks see: how often each command was asked since their last tick, the state, and for the one
-/// that may compare goals their positions.
+/// What the intent networks see: what was asked since their last tick (how often each command, or the mean of each axis,
+/// in shares of its larger end), how often nothing was, the state, and for the one that may compare goals their positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntentEncoder {
-    commands: usize,
+    /// What a value of 1 on an axis counts for; empty for commands.
+    scales: Vec<f32>,
     state: usize,
     goals: usize,
-    counts: Vec<u32>,
+    /// Of each command or axis, and last of silence.
+    sums: Vec<f32>,
     noted: u32,
 }
 
 impl IntentEncoder {
-    /// For a plant with that many commands, numbers in its state, and goals.
-    pub fn new(commands: usize, state: usize, goals: usize) -> Self {
-        Self { commands, state, goals, counts: vec![0; commands + 1], noted: 0 }
+    /// For the actions of a plant, with that many numbers in its state, and goals; `None` for a space without actions.
+    pub fn new(space: &ActionSpace, state: usize, goals: usize) -> Option<Self> {
+        let scale = |(low, high): (&f32, &f32)| {
+            let larger = low.abs().max(high.abs());
+            if larger.is_finite() && larger > 0.0 { 1.0 / larger } else { 0.0 }
+        };
+        let scales: Vec<f32> = match space {
+            ActionSpace::Axes { low, high, .. } => low.iter().zip(high).map(scale).collect(),
+            _ => Vec::new(),
+        };
+        let requests = space.commands().max(scales.len());
+        let sums = vec![0.0; requests + 1];
+        (requests > 0).then_some(Self { scales, state, goals, sums, noted: 0 })
     }
 
-    /// Numbers that the network sees which knows no goals: shares of the commands and of silence, then the state.
+    /// Numbers that say what was asked: one a command or axis.
+    pub fn requests(&self) -> usize {
+        self.sums.len() - 1
+    }
+
+    /// Numbers that the network sees which knows no goals: what was asked and silence, then the state.
     pub fn without_goals(&self) -> usize {
-        self.commands + 1 + self.state
+        self.sums.len() + self.state
     }
 
     /// Numbers that the network sees which knows the goals: the same, then x and y of every goal.
@@ -86,7 +103,7 @@ impl IntentEncoder {
 
     /// Forgets everything.
     pub fn begin(&mut self) {
-        self.counts.fill(0);
+        self.sums.fill(0.0);
         self.noted = 0;
     }
 
@@ -97,8 +114,18 @@ impl IntentEncoder {
 
     /// Notes what is asked at one control tick.
     pub fn note(&mut self, asked: Option<Action>) {
-        let asked = asked.and_then(|action| action.command()).filter(|&command| command < self.commands);
-        self.counts[asked.unwrap_or(self.commands)] += 1;
+        let silence = self.requests();
+        match asked {
+            Some(Action::Axes(axes)) if !self.scales.is_empty() => {
+                for (sum, (value, scale)) in self.sums.iter_mut().zip(axes.iter().zip(&self.scales)) {
+                    *sum += value * scale;
+                }
+            }
+            Some(Action::Command(command)) if self.scales.is_empty() && usize::from(command) < silence => {
+                self.sums[usize::from(command)] += 1.0;
+            }
+            _ => self.sums[silence] += 1.0,
+        }
         self.noted += 1;
     }
 
@@ -112,10 +139,10 @@ impl IntentEncoder {
     /// # Panics
     /// If `input` has another length or the state has another length than announced.
     pub fn encode(&mut self, view: &View<'_>, input: &mut [f32]) {
-        let (shares, rest) = input.split_at_mut(self.commands + 1);
+        let (shares, rest) = input.split_at_mut(self.sums.len());
         let (state, positions) = rest.split_at_mut(self.state);
-        for (share, &count) in shares.iter_mut().zip(&self.counts) {
-            *share = count as f32 / self.noted.max(1) as f32;
+        for (share, &sum) in shares.iter_mut().zip(&self.sums) {
+            *share = sum / self.noted.max(1) as f32;
         }
         state.copy_from_slice(view.state);
         show_goals(view, &mut positions[..2 * self.goals]);
@@ -166,7 +193,8 @@ mod tests {
 
     #[test]
     fn intent_sees_shares_of_commands_and_of_silence_since_its_last_tick() {
-        let mut encoder = IntentEncoder::new(2, 3, 3);
+        let space = ActionSpace::Single { names: vec!["a".into(), "b".into()], pushes: vec![None; 2] };
+        let mut encoder = IntentEncoder::new(&space, 3, 3).unwrap();
         for asked in [Some(1), Some(1), None, Some(0)] {
             encoder.note(asked.map(Action::Command));
         }
@@ -185,17 +213,32 @@ mod tests {
     }
 
     #[test]
+    fn intent_sees_the_mean_of_each_axis_in_shares_of_its_larger_end() {
+        let names = vec!["a".into(), "b".into()];
+        let space = ActionSpace::Axes { names, low: vec![-1.0, 0.0], high: vec![1.0, 4.0] };
+        let mut encoder = IntentEncoder::new(&space, 3, 0).unwrap();
+        for asked in [Some([1.0, 4.0]), Some([-0.5, 2.0]), None, Some([0.5, 2.0])] {
+            encoder.note(asked.map(|axes| Action::axes(&axes)));
+        }
+        let mut input = [9.0; 6];
+        encoder.encode(&view(), &mut input);
+        assert_eq!(input, [0.25, 0.5, 0.25, 0.25, 1.0, -3.0]);
+        assert_eq!(IntentEncoder::new(&ActionSpace::Switches { switches: vec![] }, 3, 0), None);
+    }
+
+    #[test]
     fn with_fewer_places_than_goals_the_nearest_are_shown_in_their_order() {
         let goals = [-0.9, -0.3, 0.2, 0.6].map(|x| Goal { id: 0, position: [x, 0.0] });
-        let mut input = [9.0; 10];
+        let one = ActionSpace::Single { names: vec!["a".into()], pushes: vec![None] };
+        let mut input = [9.0; 11];
         for (position, shown) in [([0.2, 0.5], [-0.3, 0.2, 0.6]), ([-0.7, 0.5], [-0.9, -0.3, 0.2])] {
             let view = View { goals: &goals, position, ..view() };
-            IntentEncoder::new(0, 3, 3).encode(&view, &mut input);
-            assert_eq!([input[4], input[6], input[8]], shown);
+            IntentEncoder::new(&one, 3, 3).unwrap().encode(&view, &mut input);
+            assert_eq!([input[5], input[7], input[9]], shown);
         }
         let none = View { goals: &[], ..view() };
-        IntentEncoder::new(0, 3, 3).encode(&none, &mut input);
-        assert_eq!(input[4..], [0.0; 6]);
+        IntentEncoder::new(&one, 3, 3).unwrap().encode(&none, &mut input);
+        assert_eq!(input[5..], [0.0; 6]);
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use crate::card::Card;
 use crate::encode::IntentEncoder;
 use crate::model::IntentNetworks;
-use crate::outputs::Outputs;
 use cohelm::action::Action;
 use cohelm::intent::{Belief, Head, IntentModel};
 use cohelm::plant::View;
@@ -35,9 +34,9 @@ struct Prediction {
 }
 
 impl NetworkIntent {
-    /// Networks with the card they came with, read by a head; `None` if the card's space has no commands.
+    /// Networks with the card they came with, read by a head; `None` if the card's space has no actions.
     pub fn new(card: &Card, networks: Arc<IntentNetworks>, head: Head) -> Option<Self> {
-        let encoder = IntentEncoder::new(Outputs::of(&card.space)?.commands(), card.state, card.goals);
+        let encoder = IntentEncoder::new(&card.space, card.state, card.goals)?;
         let state = LstmState::new(network(&networks, head).shape());
         let input = vec![0.0; encoder.with_goals()];
         Some(Self { networks, head, encoder, state, input, prediction: None })

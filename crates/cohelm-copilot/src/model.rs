@@ -1,9 +1,12 @@
 //! A model file: its bytes, its hash, its card and its networks.
 
+use crate::axes::AxesEncoder;
 use crate::card::{Card, Kind};
 use crate::encode::{INTENT_VERSION, IntentEncoder, VALUES_VERSION, ValueEncoder};
 use crate::outputs::Outputs;
+use cohelm::action::ActionSpace;
 use cohelm::intent::MAX_GOALS;
+use cohelm_nn::critic::Critic;
 use cohelm_nn::goal_head;
 use cohelm_nn::lstm::Lstm;
 use cohelm_nn::mlp::Mlp;
@@ -21,6 +24,11 @@ const REGRESSION_PREFIX: &str = "regression.";
 const CALIBRATED_PREFIX: &str = "calibrated.";
 /// Weights beyond this are none that training gives, and would let values overflow.
 const LARGEST_WEIGHT: f32 = 1e4;
+/// What a space needs to have values.
+const NO_ACTIONS: &str = "it needs a list of commands, or axes";
+/// What axes need to have values.
+const NO_CRITIC: &str = "one to four of them, each from a finite number of at most 0 to one of at least 0, and values that \
+                         do not take what is asked as input";
 
 /// A model, cheap to clone.
 #[derive(Clone, Debug)]
@@ -34,10 +42,46 @@ pub struct Model {
 /// The networks of a model.
 #[derive(Clone, Debug)]
 pub enum Network {
-    /// Values of commands.
-    Values(Arc<Mlp>),
+    /// Values of actions.
+    Values(ValueNetwork),
     /// The pilot's goal.
     Intent(Arc<IntentNetworks>),
+}
+
+/// What estimates values, by the kind of action.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ValueNetwork {
+    /// Of every command at once.
+    Commands(Arc<Mlp>),
+    /// Of any action on axes.
+    Axes(Arc<Critic>),
+}
+
+impl From<&Mlp> for ValueNetwork {
+    fn from(network: &Mlp) -> Self {
+        Self::Commands(Arc::new(network.clone()))
+    }
+}
+
+impl From<&Critic> for ValueNetwork {
+    fn from(critic: &Critic) -> Self {
+        Self::Axes(Arc::new(critic.clone()))
+    }
+}
+
+impl From<&Self> for ValueNetwork {
+    fn from(network: &Self) -> Self {
+        network.clone()
+    }
+}
+
+impl ValueNetwork {
+    fn save(&self, file: &mut TensorFile) {
+        match self {
+            Self::Commands(network) => network.save(file, VALUES_PREFIX),
+            Self::Axes(critic) => critic.save(file, VALUES_PREFIX),
+        }
+    }
 }
 
 /// The two networks that infer intent. They learn from the same flights; only the calibrated one sees where the goals
@@ -83,9 +127,15 @@ pub enum ModelError {
         /// What the weights have.
         found: usize,
     },
-    /// Its actions are axes.
-    #[error("the model {name:?} is for an action space without commands; networks estimate commands only")]
+    /// Its action space is empty.
+    #[error("the model {name:?} is for an action space without actions: {NO_ACTIONS}")]
     NoCommands {
+        /// The model's name.
+        name: String,
+    },
+    /// Its axes are none that a critic can see.
+    #[error("the model {name:?} is for axes that a critic cannot see: {NO_CRITIC}")]
+    Axes {
         /// The model's name.
         name: String,
     },
@@ -106,16 +156,16 @@ impl Model {
         let card: Card =
             serde_json::from_str(file.get(CARD_KEY)?).map_err(|error| ModelError::Card(error.to_string()))?;
         let network = match card.kind {
-            Kind::Values => Network::Values(Arc::new(values(&file, &card)?)),
+            Kind::Values => Network::Values(values(&file, &card)?),
             Kind::Intent => Network::Intent(Arc::new(intent(&file, &card)?)),
         };
         Ok(Self { hash: hash(bytes), card: Arc::new(card), network, bytes: bytes.into() })
     }
 
     /// Puts a value network into a model; the result is checked as a file is.
-    pub fn of_values(card: &Card, network: &Mlp) -> Result<Self, ModelError> {
+    pub fn of_values(card: &Card, network: impl Into<ValueNetwork>) -> Result<Self, ModelError> {
         let mut file = with_card(card)?;
-        network.save(&mut file, VALUES_PREFIX);
+        network.into().save(&mut file);
         Self::from_bytes(&file.to_bytes()?)
     }
 
@@ -168,7 +218,26 @@ fn with_card(card: &Card) -> Result<TensorFile, ModelError> {
     Ok(file)
 }
 
-fn values(file: &TensorFile, card: &Card) -> Result<Mlp, ModelError> {
+fn values(file: &TensorFile, card: &Card) -> Result<ValueNetwork, ModelError> {
+    if matches!(card.space, ActionSpace::Axes { .. }) { critic(file, card) } else { of_commands(file, card) }
+}
+
+fn critic(file: &TensorFile, card: &Card) -> Result<ValueNetwork, ModelError> {
+    let critic = Critic::load(file, VALUES_PREFIX)?;
+    let check = Check { file, card };
+    check.tensors(&[VALUES_PREFIX])?;
+    check.version(VALUES_VERSION)?;
+    let axes = AxesEncoder::of(&card.space).ok_or_else(|| ModelError::Axes { name: check.name() })?;
+    if card.sees_asked {
+        return Err(ModelError::Axes { name: check.name() });
+    }
+    check.equal("the number of inputs", ValueEncoder::new(card.state, 0).len(), critic.shape().input())?;
+    check.equal("the numbers that show an action", axes.len(), critic.shape().action())?;
+    check.weights(critic.params())?;
+    Ok(ValueNetwork::Axes(Arc::new(critic)))
+}
+
+fn of_commands(file: &TensorFile, card: &Card) -> Result<ValueNetwork, ModelError> {
     let network = Mlp::load(file, VALUES_PREFIX)?;
     let check = Check { file, card };
     check.tensors(&[VALUES_PREFIX])?;
@@ -178,7 +247,7 @@ fn values(file: &TensorFile, card: &Card) -> Result<Mlp, ModelError> {
     check.equal("the number of inputs", encoder.len(), network.shape().input())?;
     check.equal("the number of outputs", outputs.len(), network.shape().outputs())?;
     check.weights(network.params())?;
-    Ok(network)
+    Ok(ValueNetwork::Commands(Arc::new(network)))
 }
 
 fn intent(file: &TensorFile, card: &Card) -> Result<IntentNetworks, ModelError> {
@@ -190,7 +259,8 @@ fn intent(file: &TensorFile, card: &Card) -> Result<IntentNetworks, ModelError> 
     if card.goals > MAX_GOALS {
         return Err(check.wrong("the number of goals, at most,", MAX_GOALS, card.goals));
     }
-    let encoder = IntentEncoder::new(check.outputs()?.commands(), card.state, card.goals);
+    let encoder = IntentEncoder::new(&card.space, card.state, card.goals);
+    let encoder = encoder.ok_or_else(|| ModelError::NoCommands { name: check.name() })?;
     check.equal("the number of inputs", encoder.without_goals(), regression.shape().input())?;
     check.equal("the number of outputs", 2, regression.shape().output())?;
     check.equal("the calibrated head's inputs", encoder.with_goals(), calibrated.shape().input())?;

@@ -3,6 +3,7 @@
 
 mod made;
 
+use cohelm::action::Action;
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
 use cohelm::intent::Inference;
@@ -35,14 +36,17 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations in a hundred ticks after the first ten, with or without a co-pilot.
+/// Allocations in forty ticks after the first ten, with or without a co-pilot.
 fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
+    let task = models.iter().next().expect("models").card().task.clone();
+    let plant = made::plants().make(&task).unwrap();
+    let push = if plant.space().commands() > 0 { Action::Command(2) } else { Action::axes(&[1.0, 0.25]) };
     let assisted = rule != Rule::Hic;
     let hash = |i| models.iter().nth(i).filter(|_| assisted).map(|model| model.hash().to_owned());
     let of_intent = if inference.hides_goals() { 2 } else { 1 };
     let setup = Setup {
-        task: made::task(),
-        plant_version: made::plants().entry(&made::task()).unwrap().version,
+        plant_version: made::plants().entry(&task).unwrap().version,
+        task,
         seed: 2,
         rule,
         inference,
@@ -56,7 +60,7 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
     plant.reset(2);
     let mut cockpit = cockpit(&setup, plant.as_ref(), &made::plants(), models).unwrap();
     cockpit.begin();
-    let asked = [Some(cohelm::action::Action::Command(2)); 110];
+    let asked = [Some(push); 110];
     let mut pilot = Recorded::new(&asked);
     let mut counted = 0;
     for tick in 0..50 {
@@ -69,14 +73,18 @@ fn allocations(rule: Rule, inference: Inference, models: &Models) -> u64 {
 
 #[test]
 fn a_tick_with_both_networks_allocates_no_more_than_the_plant_does() {
-    let mut models = Models::new();
-    models.add_model(made::values(3));
-    models.add_model(made::intent(4));
-    models.add_model(made::imagining(5));
-    let of_plant = allocations(Rule::Hic, Inference::Nearest, &models);
-    for inference in Inference::ALL {
-        for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }] {
-            assert_eq!(allocations(rule, inference, &models), of_plant, "{rule:?} {inference:?}");
+    let of_commands = [made::values(3), made::intent(4), made::imagining(5)];
+    let of_axes = [made::values_on_axes(3), made::intent_on_axes(4), made::imagining_on_axes(5)];
+    for of_plant_and_models in [of_commands, of_axes] {
+        let mut models = Models::new();
+        for model in of_plant_and_models {
+            models.add_model(model);
+        }
+        let of_plant = allocations(Rule::Hic, Inference::Nearest, &models);
+        for inference in Inference::ALL {
+            for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }] {
+                assert_eq!(allocations(rule, inference, &models), of_plant, "{rule:?} {inference:?}");
+            }
         }
     }
 }

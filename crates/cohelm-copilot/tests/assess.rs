@@ -6,8 +6,8 @@ use cohelm::action::Action;
 use cohelm::plant::Plant;
 use cohelm::point::Point;
 use cohelm::value::ValueModel;
-use cohelm_copilot::Model;
 use cohelm_copilot::values::NetworkValues;
+use cohelm_copilot::{Model, Network};
 
 fn agrees(plant: &dyn Plant, model: &mut dyn ValueModel, asked: Option<Action>) {
     let view = plant.view();
@@ -30,12 +30,25 @@ fn a_network_values_given_commands_as_it_values_its_candidates() {
             cohelm_copilot::Card { sees_asked, ..made::card(cohelm_copilot::Kind::Values, &made::task()) };
         let network = made::values_network(&card, 4);
         let model = Model::of_values(&card, &network).unwrap();
-        let mut values = NetworkValues::new(model.card(), network.into()).unwrap();
+        let mut values = NetworkValues::new(model.card(), (&network).into()).unwrap();
         for seed in 0..5 {
             plant.reset(seed);
             plant.step(Some(Action::Command(2)));
             agrees(plant.as_ref(), &mut values, (seed % 2 == 0).then_some(Action::Command(1)));
         }
+    }
+}
+
+#[test]
+fn a_critic_values_given_actions_as_it_values_its_candidates() {
+    let model = made::values_on_axes(4);
+    let Network::Values(network) = model.network() else { panic!("a value model") };
+    let mut values = NetworkValues::new(model.card(), network.clone()).unwrap();
+    let mut plant = made::plants().make(&made::axes_task()).unwrap();
+    for seed in 0..5 {
+        plant.reset(seed);
+        plant.step(Some(Action::axes(&[0.5, -0.75])));
+        agrees(plant.as_ref(), &mut values, (seed % 2 == 0).then_some(Action::axes(&[0.3, -0.1])));
     }
 }
 

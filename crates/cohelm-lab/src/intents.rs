@@ -6,6 +6,7 @@
 
 use crate::experiment::{ExperimentError, Rig};
 use crate::parallel;
+use cohelm::action::ActionSpace;
 use cohelm::arbitration::Rule;
 use cohelm::cockpit::{Silence, Tick};
 use cohelm::flight::fly;
@@ -14,7 +15,7 @@ use cohelm::plant::{Ending, Plant};
 use cohelm::random::mix_seed;
 use cohelm::registry::Task;
 use cohelm::trajectory::{MAX_SEED, Setup};
-use cohelm_copilot::{Kind, cockpit};
+use cohelm_copilot::{Card, Kind, Model, Models, cockpit};
 use serde::Serialize;
 
 /// Bins of the calibration error.
@@ -38,6 +39,8 @@ pub struct IntentTrial {
     pub rules: Vec<Rule>,
     /// The inferences.
     pub inferences: Vec<Inference>,
+    /// Variant of the intent models to take, for inferences that one of that variant serves; the others have the usual one.
+    pub variant: Option<String>,
 }
 
 /// How one inference did under one rule.
@@ -117,7 +120,7 @@ impl IntentTrial {
         plant.reset(seed);
         let space = plant.space().clone();
         let values = rig.models.newest_for(Kind::Values, &self.task, &space);
-        let intent = rig.models.newest_intent(inference, &self.task, &space);
+        let intent = self.intent(rig.models, inference, &space);
         let setup = Setup {
             task: self.task.clone(),
             plant_version: rig.plants.entry(&self.task)?.version,
@@ -145,6 +148,18 @@ impl IntentTrial {
             }
         });
         Ok(watched)
+    }
+
+    fn intent<'a>(&self, models: &'a Models, inference: Inference, space: &ActionSpace) -> Option<&'a Model> {
+        let usual = models.newest_intent(inference, &self.task, space)?;
+        let fits = |card: &Card| {
+            card.kind == Kind::Intent && card.serves(inference) && card.task.plant == self.task.plant
+        };
+        let of_variant = |model: &&Model| {
+            let card = model.card();
+            fits(card) && card.space == *space && card.variant.is_some() && card.variant == self.variant
+        };
+        Some(models.iter().rev().find(of_variant).unwrap_or(usual))
     }
 }
 

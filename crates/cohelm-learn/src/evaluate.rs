@@ -52,7 +52,7 @@ pub fn evaluate(job: &Job<'_>, model: &Model, set: u64, episodes: usize) -> Resu
         return Err(LearnError::Option { option: "model", reason });
     };
     let values = NetworkValues::new(model.card(), network.clone());
-    let values = values.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))?;
+    let values = values.ok_or_else(|| LearnError::NoActions(job.task.plant.clone()))?;
     fly_fresh(job, &values, set, episodes)
 }
 

@@ -60,16 +60,16 @@ fn fly(job: &Job<'_>, help: &Help<'_>, plan: &Plan) -> Result<Flight, LearnError
     let mut plant = job.plant()?;
     let seed = mix_seed(mix_seed(job.seed, EPISODES), plan.episode);
     plant.reset(seed >> 11);
-    let no_commands = || LearnError::NoCommands(job.task.plant.clone());
+    let no_actions = || LearnError::NoActions(job.task.plant.clone());
     let intent: Box<dyn IntentModel> = match &plan.guide {
         Guide::Nobody => Box::new(NearestGoal),
         Guide::Truth => Box::new(Told::new(plant.wishes())),
         Guide::Network(card, networks, head) => {
             let intent = NetworkIntent::new(card, networks.clone(), *head);
-            Box::new(intent.ok_or_else(no_commands)?)
+            Box::new(intent.ok_or_else(no_actions)?)
         }
         Guide::Imagined(card, networks) => {
-            Box::new(ImaginedIntent::new(card, networks.clone()).ok_or_else(no_commands)?)
+            Box::new(ImaginedIntent::new(card, networks.clone()).ok_or_else(no_actions)?)
         }
     };
     let arbiter = plan.rule.arbiter(help.median_range);
@@ -85,7 +85,8 @@ fn fly(job: &Job<'_>, help: &Help<'_>, plan: &Plan) -> Result<Flight, LearnError
     };
     pilot.begin(mix_seed(seed, PILOT));
     cockpit.begin();
-    let mut scribe = Scribe::new(plant.as_ref());
+    let scribe = Scribe::new(plant.as_ref());
+    let mut scribe = scribe.ok_or_else(|| LearnError::NoActions(job.task.plant.clone()))?;
     let mut right = Vec::new();
     loop {
         scribe.look(plant.as_ref());

@@ -343,8 +343,8 @@ pub(crate) fn fit_epoch(
 pub(crate) fn mirror(job: &Job<'_>, options: &IntentOptions) -> Result<Option<MirroredSequence>, LearnError> {
     let plant = job.plant()?;
     let mirror = plant.mirror().filter(|_| options.mirror);
-    let (commands, goals) = (plant.space().commands(), plant.view().goals.len());
-    Ok(mirror.map(|mirror| MirroredSequence::new(&mirror, commands, goals)))
+    let goals = plant.view().goals.len();
+    Ok(mirror.and_then(|mirror| MirroredSequence::new(&mirror, plant.space(), goals)))
 }
 
 /// Refuses losses that are no numbers.
@@ -373,7 +373,8 @@ fn first_kinds() -> Vec<(Rule, Guide)> {
 }
 
 pub(crate) fn shape(card: &Card, aim: Aim, cells: usize) -> LstmShape {
-    let encoder = IntentEncoder::new(card.space.commands(), card.state, card.goals);
+    let encoder =
+        IntentEncoder::new(&card.space, card.state, card.goals).expect("a card of a plant with actions");
     let (input, output) = match aim {
         Aim::Position => (encoder.without_goals(), 2),
         Aim::Likelihood => (encoder.with_goals(), goal_head::OUTPUTS),
@@ -393,7 +394,7 @@ fn values_of(job: &Job<'_>, model: &Model) -> Result<NetworkValues, LearnError> 
         return Err(LearnError::Option { option: "values", reason });
     }
     let values = NetworkValues::new(model.card(), network.clone());
-    values.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))
+    values.ok_or_else(|| LearnError::NoActions(job.task.plant.clone()))
 }
 
 /// Standard deviation of the pilots' goals from their mean, along an axis.

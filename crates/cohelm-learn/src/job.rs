@@ -42,11 +42,12 @@ pub enum LearnError {
     /// There is no such plant.
     #[error(transparent)]
     Task(#[from] TaskError),
-    /// Its actions are axes.
+    /// It has no actions.
     #[error(
-        "the plant {0:?} is steered by axes; values are learnt for lists of commands: choose another action set"
+        "the plant {0:?} has no actions that values can be learnt for: it needs a list of commands, or one to four axes that \
+         each go from a finite number of at most 0 to one of at least 0"
     )]
-    NoCommands(String),
+    NoActions(String),
     /// The options contradict each other or the plant.
     #[error("option {option:?}: {reason}")]
     Option {

@@ -4,6 +4,7 @@
 //! (here). They run on two threads, the first half a block of updates ahead of the second; so it sees weights that are
 //! up to two blocks old, and does so for any number of threads.
 
+use crate::choices::{Choice, Choices, Pupil};
 use crate::job::LearnError;
 use crate::memory::Memory;
 use crate::mirrored::MirroredInput;
@@ -11,10 +12,13 @@ use crate::options::{Target, ValueOptions};
 use crate::parallel;
 use crate::progress::Profile;
 use crate::wanting::{Block, Wanting};
+use cohelm::action::Action;
 use cohelm::random::Draws;
+use cohelm_copilot::axes::AxesEncoder;
 use cohelm_nn::adam::{Adam, AdamOptions, follow};
+use cohelm_nn::critic::CriticBatch;
 use cohelm_nn::loss::huber;
-use cohelm_nn::mlp::{Mlp, MlpBatch};
+use cohelm_nn::mlp::MlpBatch;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
@@ -22,17 +26,17 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Weights {
     /// The network that learns.
-    pub online: Mlp,
+    pub online: Pupil,
     /// The one that says what comes after.
-    pub target: Mlp,
+    pub target: Pupil,
     /// The one that is kept: see [`ValueOptions::average`].
-    pub average: Mlp,
+    pub average: Pupil,
     pub adam: Adam,
 }
 
 impl Weights {
     /// The weights before the first update.
-    pub fn begin(online: Mlp) -> Self {
+    pub fn begin(online: Pupil) -> Self {
         let adam = Adam::new(online.params().len(), AdamOptions::default());
         Self { target: online.clone(), average: online.clone(), online, adam }
     }
@@ -54,20 +58,45 @@ pub(crate) struct Learner {
     pub weights: Weights,
     wanting: Wanting,
     blocks: [Block; 2],
-    by_online: MlpBatch,
-    d_outputs: Vec<f32>,
+    pass: Pass,
+    /// The loss's gradient at each value.
+    d_values: Vec<f32>,
     gradient: Vec<f32>,
 }
 
+/// The room of a forward and backward pass.
+enum Pass {
+    Commands { by_online: MlpBatch, d_outputs: Vec<f32> },
+    Axes { by_online: Box<CriticBatch>, axes: AxesEncoder, chosen: Vec<f32> },
+}
+
 impl Learner {
-    pub fn new(weights: Weights, options: &ValueOptions) -> Self {
-        let shape = weights.online.shape();
+    pub fn new(weights: Weights, choices: &Choices, options: &ValueOptions) -> Self {
+        let parameters = weights.online.params().len();
+        let pass = match (&weights.online, choices) {
+            (Pupil::Commands(network), _) => Pass::Commands {
+                by_online: MlpBatch::new(network.shape(), options.batch),
+                d_outputs: vec![0.0; options.batch * network.shape().outputs()],
+            },
+            (Pupil::Axes(critic), Choices::Axes { axes, grid }) => {
+                let mut reference = vec![0.0; grid.len() * axes.len()];
+                let rows = reference.chunks_exact_mut(axes.len());
+                rows.zip(grid).for_each(|(row, &action)| axes.encode_into(action, row));
+                let by_online = CriticBatch::new(critic.shape(), &reference, options.batch, options.batch);
+                Pass::Axes {
+                    by_online: Box::new(by_online),
+                    axes: axes.clone(),
+                    chosen: vec![0.0; options.batch * axes.len()],
+                }
+            }
+            _ => unreachable!("a critic learns axes"),
+        };
         Self {
-            wanting: Wanting::new(shape, options.batch),
+            wanting: Wanting::new(choices, &weights.online, options.batch),
             blocks: Default::default(),
-            by_online: MlpBatch::new(shape, options.batch),
-            d_outputs: vec![0.0; options.batch * shape.outputs()],
-            gradient: vec![0.0; shape.parameters()],
+            pass,
+            d_values: vec![0.0; options.batch],
+            gradient: vec![0.0; parameters],
             weights,
         }
     }
@@ -150,23 +179,52 @@ impl Learner {
     }
 
     /// The gradient of the mean loss over a batch; returns that loss.
-    fn differentiate(&mut self, states: &[f32], wanted: &[(usize, f32)], bound: f32) -> f32 {
-        let online = &self.weights.online;
-        let n = online.shape().outputs();
-        let values = self.by_online.forward(online, states);
-        self.d_outputs.fill(0.0);
-        let weight = 1.0 / wanted.len() as f32;
-        let mut loss = 0.0;
-        for (row, &(output, wanted)) in wanted.iter().enumerate() {
-            let error = values[row * n + output] - wanted;
-            let (row_loss, slope) =
-                if bound > 0.0 { huber(error, bound) } else { (error * error, 2.0 * error) };
-            loss += weight * row_loss;
-            self.d_outputs[row * n + output] = weight * slope;
+    fn differentiate(&mut self, states: &[f32], wanted: &[(Choice, f32)], bound: f32) -> f32 {
+        let Self { weights, pass, d_values, gradient, .. } = self;
+        match (pass, &weights.online) {
+            (Pass::Commands { by_online, d_outputs }, Pupil::Commands(online)) => {
+                let n = online.shape().outputs();
+                let values = by_online.forward(online, states);
+                let value = |row: usize, choice: &Choice| values[row * n + choice[0] as usize];
+                let loss = slopes(wanted, bound, value, d_values);
+                d_outputs.fill(0.0);
+                for (row, ((choice, _), d)) in wanted.iter().zip(d_values).enumerate() {
+                    d_outputs[row * n + choice[0] as usize] = *d;
+                }
+                by_online.backward(online, states, d_outputs, gradient);
+                loss
+            }
+            (Pass::Axes { by_online, axes, chosen }, Pupil::Axes(online)) => {
+                for (row, (choice, _)) in chosen.chunks_exact_mut(axes.len()).zip(wanted) {
+                    axes.encode_into(Action::Axes(*choice), row);
+                }
+                by_online.look(online, states);
+                let values = by_online.each(online, chosen);
+                let loss = slopes(wanted, bound, |row, _| values[row], d_values);
+                by_online.backward(online, states, d_values, gradient);
+                loss
+            }
+            _ => unreachable!("a pass is made for its network"),
         }
-        self.by_online.backward(online, states, &self.d_outputs, &mut self.gradient);
-        loss
     }
+}
+
+/// The mean loss of values against what is wanted, and its gradient at each of them.
+fn slopes(
+    wanted: &[(Choice, f32)],
+    bound: f32,
+    value: impl Fn(usize, &Choice) -> f32,
+    d_values: &mut [f32],
+) -> f32 {
+    let weight = 1.0 / wanted.len() as f32;
+    let mut loss = 0.0;
+    for (row, ((choice, wanted), d)) in wanted.iter().zip(d_values).enumerate() {
+        let error = value(row, choice) - wanted;
+        let (row_loss, slope) = if bound > 0.0 { huber(error, bound) } else { (error * error, 2.0 * error) };
+        loss += weight * row_loss;
+        *d = weight * slope;
+    }
+    loss
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {

@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod checkpoint;
+mod choices;
 mod curriculum;
 pub mod evaluate;
 mod fit;

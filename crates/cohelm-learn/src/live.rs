@@ -1,5 +1,6 @@
 //! Learning while a person flies: Algorithm 1 goes on, one finished episode after the other.
 
+use crate::choices::{Choices, Pupil};
 use crate::job::LearnError;
 use crate::learner::{Learner, Lesson, Weights};
 use crate::memory::Memory;
@@ -14,7 +15,6 @@ use cohelm::registry::{Plants, Task};
 use cohelm::trajectory::Trajectory;
 use cohelm::value::ValueModel;
 use cohelm_copilot::encode::ValueEncoder;
-use cohelm_copilot::outputs::Outputs;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Card, Model, Network};
 use serde::{Deserialize, Serialize};
@@ -49,7 +49,7 @@ pub struct LiveLearner {
     training: ValueOptions,
     card: Card,
     began_with: String,
-    outputs: Outputs,
+    choices: Choices,
     encoder: ValueEncoder,
     mirror: Option<MirroredInput>,
     learner: Learner,
@@ -73,20 +73,21 @@ impl LiveLearner {
         };
         let training = training_options(&card);
         let plant = plants.make(&card.task)?;
-        let outputs = card.outputs().ok_or_else(|| LearnError::NoCommands(card.task.plant.clone()))?;
-        let asked = if card.sees_asked { outputs.commands() } else { 0 };
+        let choices = Choices::of_card(&card);
+        let choices = choices.ok_or_else(|| LearnError::NoActions(card.task.plant.clone()))?;
+        let asked = choices.asked(card.sees_asked);
         let encoder = ValueEncoder::new(card.state, asked);
         let mirror = plant.mirror().filter(|_| training.mirror);
         let mut learner = Self {
             plants: plants.clone(),
             options,
-            mirror: mirror.map(|mirror| MirroredInput::new(&mirror, outputs, asked)),
-            learner: Learner::new(Weights::begin(network.as_ref().clone()), &training),
-            memory: Memory::new(encoder.len(), training.memory),
+            mirror: mirror.and_then(|mirror| MirroredInput::new(&mirror, &choices, asked)),
+            learner: Learner::new(Weights::begin(Pupil::from(network)), &choices, &training),
+            memory: Memory::new([encoder.len(), choices.width()], training.memory),
             began_with: model.hash().into(),
             training,
             card,
-            outputs,
+            choices,
             encoder,
             seed,
             episodes: 0,
@@ -120,7 +121,7 @@ impl LiveLearner {
             json!({ "options": self.options, "began_with": self.began_with, "episodes": self.episodes });
         let options = json!({ "training": self.training, "live": live });
         let card = Card { variant, options, seed: self.seed, scores: json!({}), ..self.card.clone() };
-        Ok(Model::of_values(&card, &self.learner.weights.online)?)
+        Ok(Model::of_values(&card, &self.learner.weights.online.to_network())?)
     }
 
     /// Turns an episode into transitions.
@@ -143,9 +144,9 @@ impl LiveLearner {
         for (&asked, &executed) in asked.iter().zip(executed) {
             self.encoder.encode(&plant.view(), plant.pilot_goal(), asked, &mut seen);
             window.see(&seen, &mut self.memory);
-            let output = self.outputs.output_of(executed, plant.view().switches);
+            let choice = self.choices.of_executed(executed, plant.view().switches);
             let step = plant.step(executed);
-            window.act(&seen, output, step.reward as f32 * self.training.reward_scale);
+            window.act(&seen, choice, step.reward as f32 * self.training.reward_scale);
             ending = step.ending;
             if ending.is_some() {
                 break;
@@ -162,7 +163,6 @@ impl LiveLearner {
         let Some(mut values) = NetworkValues::new(&self.card, network.clone()) else { return Ok(()) };
         let task = self.card.task.clone();
         let mut plant = self.plants.make(&task)?;
-        let commands = self.outputs.commands();
         let mut steps = 0;
         for episode in 0.. {
             if steps >= self.options.own_steps {
@@ -177,7 +177,7 @@ impl LiveLearner {
                 let estimate = values.estimate(&plant.view(), plant.pilot_goal(), None);
                 let best = estimate.candidates()[estimate.best()];
                 let random = draws.chance(self.options.exploration);
-                let action = if random { Action::Command(draws.below(commands) as u8) } else { best };
+                let action = if random { self.choices.random(&mut draws) } else { best };
                 executed.push(Some(action));
                 ending = plant.step(Some(action)).ending;
             }

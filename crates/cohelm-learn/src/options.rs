@@ -181,13 +181,14 @@ impl Default for ValueOptions {
 }
 
 /// Names of the presets.
-pub const PRESETS: [&str; 4] = ["default", "paper", "sees-asked", "gymnasium"];
+pub const PRESETS: [&str; 5] = ["default", "axes", "paper", "sees-asked", "gymnasium"];
 
 impl ValueOptions {
     /// The preset of a name.
     pub fn preset(name: &str) -> Result<Self, LearnError> {
         match name {
             "default" => Ok(Self::default()),
+            "axes" => Ok(Self::axes()),
             "paper" => Ok(Self::paper()),
             "sees-asked" => Ok(Self::seeing_what_is_asked()),
             "gymnasium" => Ok(Self::gymnasium()),
@@ -196,6 +197,12 @@ impl ValueOptions {
                 reason: format!("there is none called {name:?}; there are: {}", PRESETS.join(", ")),
             }),
         }
+    }
+
+    /// The default for actions on axes. A critic learns them at half the rate: at the rate of commands it forgets again and
+    /// again, and its landings go up and down until the end.
+    pub fn axes() -> Self {
+        Self { learning_rate: [5e-4, 2e-5], ..Self::default() }
     }
 
     /// The default for values that take the human command as input: pilots ask in every world, the robot flies and

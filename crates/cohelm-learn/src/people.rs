@@ -132,7 +132,8 @@ fn sequence(job: &Job<'_>, trajectory: &Trajectory) -> Result<Sequence, LearnErr
         return Err(wrong("a flight with another set of actions is among them: choose its task".into()));
     }
     plant.reset(setup.seed);
-    let mut scribe = Scribe::new(plant.as_ref());
+    let scribe = Scribe::new(plant.as_ref());
+    let mut scribe = scribe.ok_or_else(|| LearnError::NoActions(job.task.plant.clone()))?;
     for (&asked, &executed) in trajectory.asked.iter().zip(&trajectory.executed) {
         scribe.look(plant.as_ref());
         scribe.note(asked);

@@ -1,6 +1,6 @@
 //! What an intent network learns from: a flight as it sees it, and which goal was the pilot's.
 
-use cohelm::action::Action;
+use cohelm::action::{Action, ActionSpace};
 use cohelm::intent::MAX_GOALS;
 use cohelm::plant::{Mirror, Plant};
 use cohelm_copilot::encode::IntentEncoder;
@@ -61,18 +61,27 @@ pub(crate) struct MirroredSequence {
 }
 
 impl MirroredSequence {
-    /// For rows of `commands` shares and the share of silence, the state, and the positions of `goals`.
-    pub fn new(mirror: &Mirror, commands: usize, goals: usize) -> Self {
+    /// For rows of what was asked and the share of silence, the state, and the positions of `goals`; `None` if the mirror
+    /// does not tell what becomes of the actions.
+    pub fn new(mirror: &Mirror, space: &ActionSpace, goals: usize) -> Option<Self> {
         let reverses = mirror.position[0] < 0.0;
-        let shares = mirror.commands.iter().map(|&command| (usize::from(command), 1.0));
+        let shares: Vec<(usize, f32)> = match space {
+            ActionSpace::Axes { .. } => mirror.axes.clone(),
+            _ => mirror.commands.iter().map(|&command| (usize::from(command), 1.0)).collect(),
+        };
+        let commands = shares.len();
+        let told = match space {
+            ActionSpace::Axes { names, .. } => commands == names.len(),
+            _ => commands == space.commands(),
+        };
         let state = mirror.state.iter().map(|&(place, sign)| (commands + 1 + place, sign));
         let first = commands + 1 + mirror.state.len();
         let positions = (0..goals).flat_map(|goal| {
             let from = if reverses { goals - 1 - goal } else { goal };
             [0, 1].map(|i| (first + 2 * from + i, mirror.position[i]))
         });
-        let row = shares.chain([(commands, 1.0)]).chain(state).chain(positions).collect();
-        Self { row, reverses, position: mirror.position }
+        let row = shares.into_iter().chain([(commands, 1.0)]).chain(state).chain(positions).collect();
+        told.then_some(Self { row, reverses, position: mirror.position })
     }
 
     /// The same flight in a mirror.
@@ -104,14 +113,14 @@ pub(crate) struct Scribe {
 }
 
 impl Scribe {
-    /// For the episode that a plant has just begun.
-    pub fn new(plant: &dyn Plant) -> Self {
+    /// For the episode that a plant has just begun; `None` if it has no actions.
+    pub fn new(plant: &dyn Plant) -> Option<Self> {
         let view = plant.view();
         let goals = view.goals.len();
-        let encoder = IntentEncoder::new(plant.space().commands(), view.state.len(), goals);
+        let encoder = IntentEncoder::new(plant.space(), view.state.len(), goals)?;
         let width = encoder.with_goals();
         let sequence = Sequence { width, rows: Vec::new(), moments: Vec::new() };
-        Self { encoder, row: vec![0.0; width], sequence }
+        Some(Self { encoder, row: vec![0.0; width], sequence })
     }
 
     /// Before each tick: what the network would see if it is due. A moment without goals teaches nothing.
@@ -144,6 +153,10 @@ impl Scribe {
 mod tests {
     use super::*;
 
+    fn two_commands() -> ActionSpace {
+        ActionSpace::Single { names: vec!["a".into(), "b".into()], pushes: vec![None; 2] }
+    }
+
     #[test]
     fn in_a_mirror_the_pilot_wants_the_goal_on_the_other_side_and_presses_the_other_keys() {
         // Two commands, silence, two numbers of state, three goals.
@@ -153,7 +166,7 @@ mod tests {
         let sequence = Sequence { width: 11, rows, moments: vec![moment] };
         let state = vec![(0, -1.0), (1, 1.0)];
         let mirror = Mirror { state, position: [-1.0, 1.0], commands: vec![1, 0], axes: vec![] };
-        let mirrored = MirroredSequence::new(&mirror, 2, 3);
+        let mirrored = MirroredSequence::new(&mirror, &two_commands(), 3).unwrap();
         let twin = mirrored.of(&sequence);
         assert_eq!(twin.rows, [0.25, 0.5, 0.25, -0.1, 0.2, -0.7, 3.0, 0.0, 2.0, 0.5, 1.0]);
         assert_eq!((twin.truth(0), twin.wanted(0)), (0, [-0.7, 3.0]));

@@ -1,6 +1,7 @@
-//! Values: what every command is worth, by double DQN from nothing but flying.
+//! Values: what every command, or any action on axes, is worth, by double Q-learning from nothing but flying.
 
 use crate::checkpoint::Checkpoints;
+use crate::choices::{Choices, Pupil};
 use crate::curriculum::Curriculum;
 use crate::evaluate::{Evaluation, fly_fresh, median_range};
 use crate::job::{Job, LearnError, PilotFactory};
@@ -10,7 +11,8 @@ use crate::mirrored::MirroredInput;
 use crate::options::{Exploration, Target, Updates, ValueOptions};
 use crate::parallel;
 use crate::progress::{Profile, Progress, Watch};
-use crate::world::{Flown, Log, Policy, World, outputs_of};
+use crate::world::{Flown, Log, Policy, World};
+use cohelm::action::ActionSpace;
 use cohelm::plant::Ending;
 use cohelm::random::{Draws, mix_seed};
 use cohelm_copilot::encode::{VALUES_VERSION, ValueEncoder};
@@ -18,11 +20,9 @@ use cohelm_copilot::outputs::Outputs;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Card, Kind, Model, TrainedWith};
 use cohelm_nn::adam::Adam;
-use cohelm_nn::mlp::{Head, Mlp, MlpShape};
 use cohelm_nn::weights::TensorFile;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Steps that every world flies in a round. Short: threads wait for each other; long: episodes that ended are learnt from
@@ -82,7 +82,8 @@ pub fn train_values(
 struct Training<'a> {
     job: &'a Job<'a>,
     options: &'a ValueOptions,
-    outputs: Outputs,
+    space: ActionSpace,
+    choices: Choices,
     worlds: Vec<World>,
     mirror: Option<MirroredInput>,
     learner: Learner,
@@ -93,7 +94,7 @@ struct Training<'a> {
     owed: f64,
     updates: u64,
     validations: u32,
-    best: Option<(Evaluation, Mlp)>,
+    best: Option<(Evaluation, Pupil)>,
     recent: Recent,
     profile: Profile,
 }
@@ -106,25 +107,23 @@ impl<'a> Training<'a> {
     ) -> Result<Self, LearnError> {
         options.check(pilots.is_some())?;
         let plant = job.plant()?;
-        let outputs = outputs_of(job, options, plant.as_ref())?;
-        let asked = if options.sees_asked { outputs.commands() } else { 0 };
+        let choices = Choices::of(job, options, plant.as_ref())?;
+        let asked = choices.asked(options.sees_asked);
         let encoder = ValueEncoder::new(plant.view().state.len(), asked);
-        let head = if options.dueling { Head::Dueling } else { Head::Plain };
-        let shape = MlpShape::new(encoder.len(), &options.hidden, head(outputs.len()))
-            .map_err(|error| LearnError::Option { option: "hidden", reason: error.to_string() })?;
         let mut draws = Draws::fork(job.seed, stream::WEIGHTS);
-        let online = Mlp::new(&shape, || draws.unit() as f32);
+        let online = choices.pupil(encoder.len(), options, plant.space(), &mut draws)?;
         let mirror = plant.mirror().filter(|_| options.mirror);
-        let mirror = mirror.map(|mirror| MirroredInput::new(&mirror, outputs, asked));
+        let mirror = mirror.and_then(|mirror| MirroredInput::new(&mirror, &choices, asked));
         let world = |number| World::new(job, options, pilots, &online, number);
         Ok(Self {
             job,
             options,
-            outputs,
+            space: plant.space().clone(),
             worlds: (0..options.worlds).map(world).collect::<Result<_, _>>()?,
-            memory: Memory::new(encoder.len(), options.memory),
+            memory: Memory::new([encoder.len(), choices.width()], options.memory),
             curriculum: Curriculum::new(options.near_goal),
-            learner: Learner::new(Weights::begin(online), options),
+            learner: Learner::new(Weights::begin(online), &choices, options),
+            choices,
             mirror,
             rounds: 0,
             owed: 0.0,
@@ -254,7 +253,7 @@ impl<'a> Training<'a> {
             best.save(&mut file, "best.");
         }
         for (number, world) in self.worlds.iter().enumerate() {
-            world.log.save(number, &mut file);
+            world.log.save(number, &self.space, &mut file);
         }
         let best = self.best.as_ref().map(|(evaluation, _)| evaluation.clone());
         let episodes = self.worlds.iter().map(|world| world.log.starts.len()).collect();
@@ -269,8 +268,7 @@ impl<'a> Training<'a> {
         let begun = Instant::now();
         let Some((file, state)) = checkpoints.read::<State>()? else { return Ok(()) };
         let steps = state.rounds as usize * ROUND_STEPS;
-        let commands = self.outputs.commands();
-        let log = |(world, &episodes)| Log::load(&file, world, [episodes, steps], commands);
+        let log = |(world, &episodes)| Log::load(&file, world, [episodes, steps], &self.space);
         let logs: Vec<Log> = checkpoints.check(state.episodes.iter().enumerate().map(log).collect())?;
         if logs.len() != self.worlds.len() {
             return Err(checkpoints.wrong(&"it has another number of worlds: delete it"));
@@ -284,8 +282,9 @@ impl<'a> Training<'a> {
         if self.worlds.iter().zip(&logs).any(|(world, log)| world.log != *log) {
             return Err(checkpoints.wrong(&"its flights end elsewhere now: delete it"));
         }
-        let network = |prefix| checkpoints.check(Mlp::load(&file, prefix));
-        let parameters = self.learner.weights.online.params().len();
+        let kind = self.learner.weights.online.clone();
+        let network = |prefix| checkpoints.check(kind.load(&file, prefix));
+        let parameters = kind.params().len();
         self.learner.weights = Weights {
             online: network("online.")?,
             target: network("target.")?,
@@ -327,12 +326,16 @@ impl<'a> Training<'a> {
         };
         let range = median_range(self.job, &self.as_values(&network, None)?)?;
         let card = Card { scores: json!({ "validation": validation }), ..self.card(Some(range))? };
-        Ok(TrainedValues { model: Model::of_values(&card, &network)?, validation, profile: self.profile })
+        Ok(TrainedValues {
+            model: Model::of_values(&card, &network.to_network())?,
+            validation,
+            profile: self.profile,
+        })
     }
 
-    fn as_values(&self, network: &Mlp, range: Option<f64>) -> Result<NetworkValues, LearnError> {
-        let values = NetworkValues::new(&self.card(range)?, Arc::new(network.clone()));
-        values.ok_or_else(|| LearnError::NoCommands(self.job.task.plant.clone()))
+    fn as_values(&self, network: &Pupil, range: Option<f64>) -> Result<NetworkValues, LearnError> {
+        let values = NetworkValues::new(&self.card(range)?, network.to_network());
+        values.ok_or_else(|| LearnError::NoActions(self.job.task.plant.clone()))
     }
 
     fn card(&self, median_range: Option<f64>) -> Result<Card, LearnError> {
@@ -349,7 +352,7 @@ impl<'a> Training<'a> {
             goal_spread: None,
             encoder_version: VALUES_VERSION,
             sees_asked: self.options.sees_asked,
-            free_outputs: self.outputs != Outputs::of(plant.space()).unwrap_or(self.outputs),
+            free_outputs: matches!(self.choices, Choices::Commands(outputs) if Some(outputs) != Outputs::of(plant.space())),
             seed: self.job.seed,
             options: json!(self.options),
             trained_with: TrainedWith {

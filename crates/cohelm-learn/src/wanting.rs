@@ -1,22 +1,25 @@
-//! What values should be: batches drawn from the memory, and the targets of double DQN for them.
+//! What values should be: batches drawn from the memory, and the targets of double Q-learning for them.
 
+mod axes;
+mod commands;
+
+use crate::choices::{Choice, Choices, Pupil};
 use crate::learner::Lesson;
 use crate::mirrored::MirroredInput;
 use cohelm::random::Draws;
-use cohelm_nn::mlp::{Mlp, MlpBatch, MlpShape};
 
 /// Batches that are ready to be learnt from.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
     /// `[updates][batch][inputs]`.
     states: Vec<f32>,
-    /// `[updates][batch]`: the output that was chosen, and what it should have said.
-    wanted: Vec<(usize, f32)>,
+    /// `[updates][batch]`: what was chosen, and what it should have been worth.
+    wanted: Vec<(Choice, f32)>,
 }
 
 impl Block {
     /// The batches one by one: states and what is wanted.
-    pub fn batches(&self, batch: usize) -> impl Iterator<Item = (&[f32], &[(usize, f32)])> {
+    pub fn batches(&self, batch: usize) -> impl Iterator<Item = (&[f32], &[(Choice, f32)])> {
         let updates = self.wanted.len() / batch;
         let states = self.states.chunks_exact((self.states.len() / updates.max(1)).max(1));
         states.zip(self.wanted.chunks_exact(batch))
@@ -27,12 +30,10 @@ impl Block {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Wanting {
     inputs: usize,
-    outputs: usize,
     /// First the batch's states, then its next states: `[2 batch][inputs]`.
     seen: Vec<f32>,
     rows: Vec<Row>,
-    by_online: Option<MlpBatch>,
-    by_target: Option<MlpBatch>,
+    judge: Option<Judge>,
 }
 
 /// What a transition holds beside its two states.
@@ -40,19 +41,29 @@ pub(crate) struct Wanting {
 struct Row {
     rewards: f32,
     discount: f32,
-    output: usize,
+    choice: Choice,
+}
+
+/// Who says what choices are worth, by their kind.
+#[derive(Clone, Debug)]
+enum Judge {
+    Commands(commands::Judge),
+    Axes(Box<axes::Judge>),
 }
 
 impl Wanting {
-    pub fn new(shape: &MlpShape, batch: usize) -> Self {
-        Self {
-            inputs: shape.input(),
-            outputs: shape.outputs(),
-            seen: vec![0.0; 2 * batch * shape.input()],
-            rows: Vec::with_capacity(batch),
-            by_online: Some(MlpBatch::new(shape, batch)),
-            by_target: Some(MlpBatch::new(shape, 2 * batch)),
-        }
+    pub fn new(choices: &Choices, pupil: &Pupil, batch: usize) -> Self {
+        let (inputs, judge) = match pupil {
+            Pupil::Commands(network) => {
+                let shape = network.shape();
+                (shape.input(), Some(Judge::Commands(commands::Judge::new(shape, batch))))
+            }
+            Pupil::Axes(critic) => {
+                let judge = axes::Judge::new(choices, critic.shape(), batch);
+                (critic.shape().input(), judge.map(|judge| Judge::Axes(Box::new(judge))))
+            }
+        };
+        Self { inputs, seen: vec![0.0; 2 * batch * inputs], rows: Vec::with_capacity(batch), judge }
     }
 
     /// Fills a block with that many batches, judged by an online and a target network.
@@ -60,7 +71,7 @@ impl Wanting {
         &mut self,
         updates: u64,
         lesson: &Lesson<'_>,
-        networks: (&Mlp, &Mlp),
+        networks: (&Pupil, &Pupil),
         draws: &mut Draws,
         block: &mut Block,
     ) {
@@ -68,7 +79,17 @@ impl Wanting {
         block.wanted.clear();
         for _ in 0..updates {
             self.sample(lesson, draws);
-            self.judge(lesson, networks, &mut block.wanted);
+            let Self { seen, rows, judge, .. } = self;
+            match (judge, networks) {
+                (Some(Judge::Commands(judge)), (Pupil::Commands(online), Pupil::Commands(target))) => {
+                    judge.judge(lesson, (online, target), (seen, rows), &mut block.wanted);
+                }
+                (Some(Judge::Axes(judge)), (Pupil::Axes(online), Pupil::Axes(target))) => {
+                    judge.spread(draws);
+                    judge.judge(lesson, (online, target), (seen, rows), &mut block.wanted);
+                }
+                _ => unreachable!("a judge is made for its network"),
+            }
             block.states.extend_from_slice(&self.seen[..lesson.options.batch * self.inputs]);
         }
     }
@@ -85,32 +106,8 @@ impl Wanting {
             let mirror = lesson.mirror.filter(|_| bits & 1 == 1);
             copy(mirror, transition.seen, state);
             copy(mirror, transition.seen_next, next);
-            let output = mirror.map_or(transition.output, |mirror| mirror.output(transition.output));
-            self.rows.push(Row { rewards: transition.rewards, discount: transition.discount, output });
-        }
-    }
-
-    /// y = R + γᵐ Q⁻(s′, argmax Q(s′)) − α (max Q⁻(s) − Q⁻(s, a)) for each transition.
-    fn judge(&mut self, lesson: &Lesson<'_>, (online, target): (&Mlp, &Mlp), wanted: &mut Vec<(usize, f32)>) {
-        let (options, n) = (lesson.options, self.outputs);
-        let (Some(by_online), Some(by_target)) = (&mut self.by_online, &mut self.by_target) else { return };
-        let nexts = &self.seen[options.batch * self.inputs..];
-        // The target network need not look at the states themselves if nobody asks what it thinks of them.
-        let (now, next) = if options.advantage > 0.0 {
-            by_target.forward(target, &self.seen).split_at(options.batch * n)
-        } else {
-            (&[][..], by_target.forward(target, nexts))
-        };
-        let chooser = if options.double { by_online.forward(online, nexts) } else { next };
-        for (i, row) in self.rows.iter().enumerate() {
-            let of = i * n..(i + 1) * n;
-            let chosen = best(&chooser[of.clone()]);
-            let mut value = row.rewards + row.discount * next[of.start + chosen];
-            if options.advantage > 0.0 {
-                let now = &now[of];
-                value -= options.advantage * (now[best(now)] - now[row.output]);
-            }
-            wanted.push((row.output, value));
+            let choice = mirror.map_or(transition.choice, |mirror| mirror.choice(transition.choice));
+            self.rows.push(Row { rewards: transition.rewards, discount: transition.discount, choice });
         }
     }
 }

@@ -1,5 +1,6 @@
 //! From single steps to transitions over n steps.
 
+use crate::choices::Choice;
 use crate::memory::{Memory, Transition};
 use std::collections::VecDeque;
 
@@ -15,7 +16,7 @@ pub(crate) struct Window {
 #[derive(Clone, Debug)]
 struct Pending {
     seen: Vec<f32>,
-    output: usize,
+    choice: Choice,
     rewards: f32,
     discount: f32,
 }
@@ -30,18 +31,18 @@ impl Window {
         if self.pending.len() == self.n
             && let Some(step) = self.pending.pop_front()
         {
-            let Pending { seen: before, output, rewards, discount } = step;
-            memory.push(Transition { seen: &before, seen_next: seen, rewards, discount, output });
+            let Pending { seen: before, choice, rewards, discount } = step;
+            memory.push(Transition { seen: &before, seen_next: seen, rewards, discount, choice });
             self.spare.push(before);
         }
     }
 
-    /// An output was chosen for what is seen, and brought a reward.
-    pub fn act(&mut self, seen: &[f32], output: usize, reward: f32) {
+    /// A choice was made for what is seen, and brought a reward.
+    pub fn act(&mut self, seen: &[f32], choice: Choice, reward: f32) {
         let mut copy = self.spare.pop().unwrap_or_default();
         copy.clear();
         copy.extend_from_slice(seen);
-        self.pending.push_back(Pending { seen: copy, output, rewards: 0.0, discount: 1.0 });
+        self.pending.push_back(Pending { seen: copy, choice, rewards: 0.0, discount: 1.0 });
         for step in &mut self.pending {
             step.rewards += step.discount * reward;
             step.discount *= self.discount;
@@ -51,9 +52,9 @@ impl Window {
     /// The episode is over: all steps that are left lead to what is seen at last. After a terminal state nothing
     /// follows, so its discount is 0; after a truncation values go on.
     pub fn end(&mut self, seen: &[f32], terminal: bool, memory: &mut Memory) {
-        while let Some(Pending { seen: before, output, rewards, discount }) = self.pending.pop_front() {
+        while let Some(Pending { seen: before, choice, rewards, discount }) = self.pending.pop_front() {
             let discount = if terminal { 0.0 } else { discount };
-            memory.push(Transition { seen: &before, seen_next: seen, rewards, discount, output });
+            memory.push(Transition { seen: &before, seen_next: seen, rewards, discount, choice });
             self.spare.push(before);
         }
     }
@@ -65,10 +66,10 @@ mod tests {
 
     /// Rewards 1, 2, 4 at inputs 0, 1, 2, ending in input 3, over two steps at discount 1/2.
     fn flown(terminal: bool) -> Vec<(f32, f32, f32, f32)> {
-        let (mut window, mut memory) = (Window::new(2, 0.5), Memory::new(1, 10));
+        let (mut window, mut memory) = (Window::new(2, 0.5), Memory::new([1, 1], 10));
         for (i, reward) in [1.0, 2.0, 4.0].into_iter().enumerate() {
             window.see(&[i as f32], &mut memory);
-            window.act(&[i as f32], 0, reward);
+            window.act(&[i as f32], [0.0; 4], reward);
         }
         window.end(&[3.0], terminal, &mut memory);
         let row = |i| {

@@ -1,15 +1,15 @@
 //! One of the worlds that are flown side by side to collect transitions.
 //!
 //! Everything random about an episode comes from the number of the world and of the episode, everything random about
-//! the choices in a round from the number of the world and of the round. So a log of what was carried out, one byte a
-//! step, is enough to make all transitions again: that is how training goes on after an interruption.
+//! the choices in a round from the number of the world and of the round. So a log of what was carried out is enough to make all transitions again: that is how training goes on after an interruption.
 
+use crate::choices::{Choices, Pupil};
 use crate::curriculum::Curriculum;
 use crate::job::{Job, LearnError, PilotFactory};
 use crate::memory::Memory;
 use crate::options::ValueOptions;
 use crate::window::Window;
-use cohelm::action::Action;
+use cohelm::action::{Action, ActionSpace};
 use cohelm::arbitration::{Arbiter, Likeness, MinimalIntervention, Pick, Stage};
 use cohelm::intent::Belief;
 use cohelm::pilot::Pilot;
@@ -18,7 +18,8 @@ use cohelm::random::{Draws, mix_seed};
 use cohelm::value::ActionValues;
 use cohelm_copilot::encode::ValueEncoder;
 use cohelm_copilot::outputs::Outputs;
-use cohelm_nn::mlp::{Mlp, MlpScratch};
+use cohelm_copilot::search::Search;
+use cohelm_nn::mlp::MlpScratch;
 use cohelm_nn::weights::{TensorFile, WeightsError};
 
 /// c in Eq. 3 where pilots steer in training: the mean of the paper's confidence.
@@ -39,34 +40,58 @@ mod stream {
 pub(crate) struct Log {
     /// The start of each episode: its difficulty, or `None` for an ordinary one.
     pub starts: Vec<Option<f32>>,
-    /// The command of each step.
-    pub executed: Vec<u8>,
+    /// The action of each step.
+    pub executed: Vec<Action>,
 }
 
 impl Log {
     /// Puts the log of a world into a checkpoint.
-    pub fn save(&self, world: usize, file: &mut TensorFile) {
+    pub fn save(&self, world: usize, space: &ActionSpace, file: &mut TensorFile) {
         let starts: Vec<f32> = self.starts.iter().map(|start| start.unwrap_or(ORDINARY)).collect();
-        let executed: Vec<f32> = self.executed.iter().map(|&command| command.into()).collect();
         file.insert(format!("log.{world}.starts"), &[starts.len()], starts);
-        file.insert(format!("log.{world}.executed"), &[executed.len()], executed);
+        let width = width(space);
+        let executed: Vec<f32> = self.executed.iter().flat_map(|&action| numbers(action, width)).collect();
+        file.insert(format!("log.{world}.executed"), &[executed.len() / width, width], executed);
     }
 
-    /// Takes it out again: that many episodes and steps, of commands below `commands`.
+    /// Takes it out again: that many episodes and steps, of actions of a space.
     pub fn load(
         file: &TensorFile,
         world: usize,
         [episodes, steps]: [usize; 2],
-        commands: usize,
+        space: &ActionSpace,
     ) -> Result<Self, WeightsError> {
-        let numbers = |part: &str, length| file.tensor(&format!("log.{world}.{part}"), &[length]);
-        let starts = numbers("starts", episodes)?.iter().map(|&start| (start >= 0.0).then_some(start));
-        // A float becomes the nearest command there is, whatever it is.
-        let command = |&command: &f32| (command as usize).min(commands - 1) as u8;
+        let starts = file.tensor(&format!("log.{world}.starts"), &[episodes])?;
+        let width = width(space);
+        let executed = file.tensor(&format!("log.{world}.executed"), &[steps, width])?;
         Ok(Self {
-            starts: starts.collect(),
-            executed: numbers("executed", steps)?.iter().map(command).collect(),
+            starts: starts.iter().map(|&start| (start >= 0.0).then_some(start)).collect(),
+            executed: executed.chunks_exact(width).map(|numbers| action(numbers, space)).collect(),
         })
+    }
+}
+
+/// Numbers that an action of a space is in a checkpoint.
+fn width(space: &ActionSpace) -> usize {
+    if let ActionSpace::Axes { names, .. } = space { names.len().max(1) } else { 1 }
+}
+
+fn numbers(action: Action, width: usize) -> impl Iterator<Item = f32> {
+    let numbers = match action {
+        Action::Command(command) => [command.into(), 0.0, 0.0, 0.0],
+        Action::Axes(axes) => axes,
+    };
+    numbers.into_iter().take(width)
+}
+
+/// A float becomes the nearest command there is, or a value within its axis, whatever it is.
+fn action(numbers: &[f32], space: &ActionSpace) -> Action {
+    if let ActionSpace::Axes { low, high, .. } = space {
+        let bounded: Vec<f32> =
+            numbers.iter().zip(low.iter().zip(high)).map(|(x, (low, high))| x.max(*low).min(*high)).collect();
+        Action::axes(&bounded)
+    } else {
+        Action::Command((numbers[0] as usize).min(space.commands().saturating_sub(1)) as u8)
     }
 }
 
@@ -88,7 +113,7 @@ pub(crate) struct Flown {
 #[derive(Clone, Copy)]
 pub(crate) enum Policy<'a> {
     /// The network, as it was when the round began.
-    Network { network: &'a Mlp, curriculum: &'a Curriculum, epsilon: f64, round: u64 },
+    Network { network: &'a Pupil, curriculum: &'a Curriculum, epsilon: f64, round: u64 },
     /// What was logged before, a log for each world.
     Logged(&'a [Log]),
 }
@@ -104,10 +129,9 @@ pub(crate) struct World {
     cap: u32,
     reward_scale: f32,
     encoder: ValueEncoder,
-    outputs: Outputs,
+    choices: Choices,
+    mind: Mind,
     window: Window,
-    values: ActionValues,
-    scratch: MlpScratch,
     input: Vec<f32>,
     episodes: u64,
     episode: Option<Episode>,
@@ -131,11 +155,11 @@ impl World {
         job: &Job<'_>,
         options: &ValueOptions,
         pilots: Option<PilotFactory<'_>>,
-        network: &Mlp,
+        network: &Pupil,
         number: usize,
     ) -> Result<Self, LearnError> {
         let mut plant = job.plant()?;
-        let outputs = outputs_of(job, options, plant.as_ref())?;
+        let choices = Choices::of(job, options, plant.as_ref())?;
         let worlds = options.worlds as f64;
         let with_teacher = (options.teacher * worlds).round() as usize;
         let with_pilot = (options.pilots * worlds).round() as usize;
@@ -146,10 +170,8 @@ impl World {
             Some(make) => Some(make(plant.as_ref(), number as u64).map_err(LearnError::Pilot)?),
             None => None,
         };
-        let commands = outputs.commands();
-        let encoder =
-            ValueEncoder::new(plant.view().state.len(), if options.sees_asked { commands } else { 0 });
-        let candidates = (0..commands).map(|command| Action::Command(command as u8)).collect();
+        let encoder = ValueEncoder::new(plant.view().state.len(), choices.asked(options.sees_asked));
+        let mind = Mind::new(&choices, plant.space(), network);
         Ok(Self {
             number,
             seed: job.seed,
@@ -160,14 +182,13 @@ impl World {
             cap: options.episode_cap,
             reward_scale: options.reward_scale,
             encoder,
-            outputs,
+            mind: mind.ok_or_else(|| LearnError::NoActions(job.task.plant.clone()))?,
             window: Window::new(options.n_step, options.discount),
-            values: ActionValues::equal(candidates).expect("there are commands"),
-            scratch: MlpScratch::new(network.shape()),
             input: vec![0.0; encoder.len()],
             episodes: 0,
             episode: None,
-            memory: Memory::new(encoder.len(), usize::MAX),
+            memory: Memory::new([encoder.len(), choices.width()], usize::MAX),
+            choices,
             flown: Vec::new(),
             log: Log::default(),
         })
@@ -178,7 +199,8 @@ impl World {
         self.memory.clear();
         self.flown.clear();
         let mut draws = match policy {
-            Policy::Network { round, .. } => {
+            Policy::Network { round, network, .. } => {
+                self.mind.learn(network);
                 Draws::fork(mix_seed(self.seed, stream::CHOICES + self.number as u64), round)
             }
             Policy::Logged(_) => Draws::new(0),
@@ -195,15 +217,14 @@ impl World {
         };
         let asked = self.look();
         self.window.see(&self.input, &mut self.memory);
-        let command = match policy {
+        let executed = match policy {
             Policy::Network { network, epsilon, .. } => self.choose(network, asked, epsilon, draws),
             Policy::Logged(logs) => logs[self.number].executed[self.log.executed.len()],
         };
-        self.log.executed.push(command);
-        let executed = Action::Command(command);
-        let output = self.outputs.output_of(Some(executed), self.plant.view().switches);
+        self.log.executed.push(executed);
+        let choice = self.choices.of_executed(Some(executed), self.plant.view().switches);
         let step = self.plant.step(Some(executed));
-        self.window.act(&self.input, output, step.reward as f32 * self.reward_scale);
+        self.window.act(&self.input, choice, step.reward as f32 * self.reward_scale);
         let steps = steps + 1;
         self.episode = Some(Episode { start, steps });
         if step.ending.is_some() || steps >= self.cap {
@@ -239,30 +260,22 @@ impl World {
         asked
     }
 
-    fn choose(&mut self, network: &Mlp, asked: Option<Action>, epsilon: f64, draws: &mut Draws) -> u8 {
-        let commands = self.outputs.commands();
-        let random = |draws: &mut Draws| draws.below(commands) as u8;
+    fn choose(&mut self, network: &Pupil, asked: Option<Action>, epsilon: f64, draws: &mut Draws) -> Action {
         if self.teacher {
             let goal = self.plant.pilot_goal();
-            let taught = self.plant.teacher(goal).and_then(|action| action.command());
+            let taught = self.plant.teacher(goal);
             let slips = draws.chance(TEACHER_SLIPS);
-            return taught.filter(|_| !slips).map_or_else(|| random(draws), |command| command as u8);
+            return taught.filter(|_| !slips).unwrap_or_else(|| self.choices.random(draws));
         }
         if draws.chance(epsilon) {
-            return random(draws);
+            return self.choices.random(draws);
         }
         let switches = self.plant.view().switches;
-        let values = network.forward(&self.input, &mut self.scratch);
         if self.pilots_steer && asked.is_some() {
-            let of_commands: Vec<f32> =
-                (0..commands).map(|command| values[self.outputs.output(command, switches)]).collect();
-            // Values of a network that diverges; training notices at the next update.
-            let equal = self.values.refill(&of_commands);
-            debug_assert!(equal.is_ok() || of_commands.iter().any(|value| !value.is_finite()));
-            return by_equation_4(self.plant.as_ref(), &self.values, asked);
+            let values = self.mind.values(network, &self.input, asked, switches);
+            return by_equation_4(self.plant.as_ref(), values, asked);
         }
-        let best = (1..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best });
-        self.outputs.command(best, switches).command().unwrap_or(0) as u8
+        self.mind.best(network, &self.input, switches)
     }
 
     fn end(&mut self, start: Option<f32>, ending: Option<Ending>, steps: u32) {
@@ -276,19 +289,80 @@ impl World {
     }
 }
 
-/// Which output of the network stands for what.
-pub(crate) fn outputs_of(
-    job: &Job<'_>,
-    options: &ValueOptions,
-    plant: &dyn Plant,
-) -> Result<Outputs, LearnError> {
-    let outputs =
-        if options.effective_outputs { Outputs::of(plant.space()) } else { Outputs::free(plant.space()) };
-    outputs.ok_or_else(|| LearnError::NoCommands(job.task.plant.clone()))
+/// What a world thinks with: the rooms that a network's answers take.
+enum Mind {
+    Commands { outputs: Outputs, scratch: MlpScratch, of_commands: Vec<f32>, values: ActionValues },
+    Axes(Box<Search>),
+}
+
+impl Mind {
+    fn new(choices: &Choices, space: &ActionSpace, network: &Pupil) -> Option<Self> {
+        match (choices, network) {
+            (Choices::Commands(outputs), Pupil::Commands(network)) => {
+                let commands = outputs.commands();
+                let candidates = (0..commands).map(|command| Action::Command(command as u8)).collect();
+                Some(Self::Commands {
+                    outputs: *outputs,
+                    scratch: MlpScratch::new(network.shape()),
+                    of_commands: vec![0.0; commands],
+                    values: ActionValues::equal(candidates).ok()?,
+                })
+            }
+            (_, Pupil::Axes(critic)) => Some(Self::Axes(Box::new(Search::new(space, critic)?))),
+            (Choices::Axes { .. }, Pupil::Commands(_)) => None,
+        }
+    }
+
+    /// Takes in that a network's weights have changed.
+    fn learn(&mut self, network: &Pupil) {
+        if let (Self::Axes(search), Pupil::Axes(critic)) = (self, network) {
+            search.learn(critic);
+        }
+    }
+
+    /// Values of all candidates. Those of a network that diverges stay what they were; training notices at the next update.
+    fn values(
+        &mut self,
+        network: &Pupil,
+        input: &[f32],
+        asked: Option<Action>,
+        switches: u8,
+    ) -> &ActionValues {
+        match (self, network) {
+            (Self::Commands { outputs, scratch, of_commands, values }, Pupil::Commands(network)) => {
+                let found = network.forward(input, scratch);
+                for (command, value) in of_commands.iter_mut().enumerate() {
+                    *value = found[outputs.output(command, switches)];
+                }
+                let refilled = values.refill(of_commands);
+                debug_assert!(refilled.is_ok() || of_commands.iter().any(|value| !value.is_finite()));
+                values
+            }
+            (Self::Axes(search), Pupil::Axes(critic)) => search.estimate(critic, input, asked),
+            _ => unreachable!("a mind is made for its network"),
+        }
+    }
+
+    /// The best action there is.
+    fn best(&mut self, network: &Pupil, input: &[f32], switches: u8) -> Action {
+        match (self, network) {
+            (Self::Commands { outputs, scratch, .. }, Pupil::Commands(network)) => {
+                let values = network.forward(input, scratch);
+                let best =
+                    (1..values.len()).fold(0, |best, i| if values[i] > values[best] { i } else { best });
+                outputs.command(best, switches)
+            }
+            (Self::Axes(search), Pupil::Axes(critic)) => {
+                let values = search.estimate(critic, input, None);
+                values.candidates()[values.best()]
+            }
+            _ => unreachable!("a mind is made for its network"),
+        }
+    }
 }
 
 /// The choice of Eqs. 3 and 4 at the confidence of training.
-fn by_equation_4(plant: &dyn Plant, values: &ActionValues, asked: Option<Action>) -> u8 {
+fn by_equation_4(plant: &dyn Plant, values: &ActionValues, asked: Option<Action>) -> Action {
     let likeness: Option<Vec<Likeness>> = asked.map(|asked| {
         let wanted = plant.effect(Some(asked));
         let like = |&candidate: &Action| Likeness {
@@ -303,7 +377,7 @@ fn by_equation_4(plant: &dyn Plant, values: &ActionValues, asked: Option<Action>
     let stage = Stage::new(values, likeness.as_deref(), &belief);
     let mut allowed = vec![false; values.candidates().len()];
     match MinimalIntervention.decide(&stage, &mut allowed) {
-        Pick::Candidate(index) => index as u8,
-        _ => values.best() as u8,
+        Pick::Candidate(index) => values.candidates()[index],
+        _ => values.candidates()[values.best()],
     }
 }

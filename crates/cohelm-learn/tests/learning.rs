@@ -29,14 +29,36 @@ fn intent(bench: &Bench, values: &Model, threads: usize, folder: Option<&Path>) 
 
 #[test]
 fn values_learn_to_reach_the_goal_and_the_card_tells_how() {
-    let bench = Bench::new();
-    let model = values(&bench, &small(), 1, 2, None);
-    let fresh = evaluate(&bench.job(1, 2, None), &model, 7, 100).unwrap();
-    assert_eq!((fresh.landed, fresh.mean_steps), (1.0, Some(8.0)), "{fresh:?}");
-    let card = model.card();
-    assert_eq!(card.options, serde_json::to_value(small()).unwrap());
-    assert!(card.median_range.is_some_and(|range| range > 0.0));
-    assert_eq!(Model::from_bytes(model.bytes()).unwrap().hash(), model.hash());
+    for bench in BENCHES {
+        let bench = bench();
+        let model = values(&bench, &small(), 1, 2, None);
+        let fresh = evaluate(&bench.job(1, 2, None), &model, 7, 100).unwrap();
+        assert_eq!((fresh.landed, fresh.mean_steps), (1.0, Some(8.0)), "{fresh:?}");
+        let card = model.card();
+        assert_eq!(card.options, serde_json::to_value(small()).unwrap());
+        assert!(card.median_range.is_some_and(|range| range > 0.0));
+        assert_eq!(Model::from_bytes(model.bytes()).unwrap().hash(), model.hash());
+    }
+}
+
+/// The line with commands, and with an axis.
+const BENCHES: [fn() -> Bench; 2] = [Bench::new, Bench::with_an_axis];
+
+#[test]
+fn values_on_an_axis_learn_from_teachers_and_from_pilots_who_steer_too() {
+    let bench = Bench::with_an_axis();
+    for options in [
+        ValueOptions { teacher: 0.5, advantage: 0.0, double: false, ..small() },
+        ValueOptions { pilots: 1.0, mirror: false, ..small() },
+    ] {
+        let model = values(&bench, &options, 2, 2, None);
+        let fresh = evaluate(&bench.job(1, 2, None), &model, 7, 100).unwrap();
+        assert!(fresh.landed > 0.95, "{options:?}: {fresh:?}");
+    }
+    let heard = ValueOptions { sees_asked: true, pilots: 1.0, ..small() };
+    let refused =
+        train_values(&bench.job(1, 1, None), &heard, Some(&walker), &mut |_| ControlFlow::Continue(()));
+    assert!(refused.unwrap_err().to_string().contains("sees_asked"));
 }
 
 #[test]
@@ -68,15 +90,17 @@ fn every_preset_and_option_learns_the_line() {
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_for_any_number_of_threads() {
-    let bench = Bench::new();
-    let options = ValueOptions { steps: 3_000, ..small() };
-    let one = values(&bench, &options, 5, 1, None);
-    for threads in [2, 4] {
-        assert_eq!(values(&bench, &options, 5, threads, None).hash(), one.hash(), "{threads} threads");
+    for bench in BENCHES {
+        let bench = bench();
+        let options = ValueOptions { steps: 3_000, ..small() };
+        let one = values(&bench, &options, 5, 1, None);
+        for threads in [2, 4] {
+            assert_eq!(values(&bench, &options, 5, threads, None).hash(), one.hash(), "{threads} threads");
+        }
+        assert_ne!(values(&bench, &options, 6, 1, None).hash(), one.hash(), "another seed");
+        let hashes = [1, 2, 4].map(|threads| intent(&bench, &one, threads, None).model.hash().to_owned());
+        assert!(hashes.iter().all(|hash| *hash == hashes[0]));
     }
-    assert_ne!(values(&bench, &options, 6, 1, None).hash(), one.hash(), "another seed");
-    let hashes = [1, 2, 4].map(|threads| intent(&bench, &one, threads, None).model.hash().to_owned());
-    assert!(hashes.iter().all(|hash| *hash == hashes[0]));
 }
 
 /// Runs until `train` finishes, stopping it after every few reports.
@@ -100,20 +124,22 @@ fn interrupted<T>(
 
 #[test]
 fn an_interrupted_training_gives_the_same_bytes() {
-    let bench = Bench::new();
-    let options = ValueOptions { steps: 3_000, target: Target::CopyEvery(400), ..small() };
-    let whole = values(&bench, &options, 5, 2, None);
-    let folder = tempfile::tempdir().unwrap();
-    let job = bench.job(5, 2, Some(folder.path()));
-    let pieces = interrupted(4, |stop| train_values(&job, &options, Some(&walker), &mut |_| stop()));
-    assert_eq!(pieces.model.hash(), whole.hash());
+    for bench in BENCHES {
+        let bench = bench();
+        let options = ValueOptions { steps: 3_000, target: Target::CopyEvery(400), ..small() };
+        let whole = values(&bench, &options, 5, 2, None);
+        let folder = tempfile::tempdir().unwrap();
+        let job = bench.job(5, 2, Some(folder.path()));
+        let pieces = interrupted(4, |stop| train_values(&job, &options, Some(&walker), &mut |_| stop()));
+        assert_eq!(pieces.model.hash(), whole.hash());
 
-    let whole = intent(&bench, &whole, 1, None).model;
-    let job = bench.job(3, 1, Some(folder.path()));
-    let learnt = |stop: &mut dyn FnMut() -> ControlFlow<()>| {
-        train_intent(&job, &pieces.model, &small_intent(), &walker, &mut |_| stop())
-    };
-    assert_eq!(interrupted(2, learnt).model.hash(), whole.hash());
+        let whole = intent(&bench, &whole, 1, None).model;
+        let job = bench.job(3, 1, Some(folder.path()));
+        let learnt = |stop: &mut dyn FnMut() -> ControlFlow<()>| {
+            train_intent(&job, &pieces.model, &small_intent(), &walker, &mut |_| stop())
+        };
+        assert_eq!(interrupted(2, learnt).model.hash(), whole.hash());
+    }
 }
 
 #[test]
@@ -156,16 +182,18 @@ fn options_that_contradict_themselves_are_refused() {
 
 #[test]
 fn intent_learns_whose_goal_it_is_from_what_is_asked() {
-    let bench = Bench::new();
-    let values = values(&bench, &small(), 1, 2, None);
-    let trained = intent(&bench, &values, 2, None);
-    for closed in &trained.closed_loop {
-        assert!(closed.right_at_end >= 0.9, "{closed:?}");
+    for bench in BENCHES {
+        let bench = bench();
+        let values = values(&bench, &small(), 1, 2, None);
+        let trained = intent(&bench, &values, 2, None);
+        for closed in &trained.closed_loop {
+            assert!(closed.right_at_end >= 0.9, "{closed:?}");
+        }
+        let calibrated = &trained.scores[2];
+        assert_eq!(calibrated.head, Head::Calibrated);
+        assert!(calibrated.all.accuracy > 0.85, "{calibrated:?}");
+        assert!(trained.scores.iter().all(|scores| scores.by_time.len() == 7));
     }
-    let calibrated = &trained.scores[2];
-    assert_eq!(calibrated.head, Head::Calibrated);
-    assert!(calibrated.all.accuracy > 0.85, "{calibrated:?}");
-    assert!(trained.scores.iter().all(|scores| scores.by_time.len() == 7));
 }
 
 /// Flights of walkers under minimal intervention.
@@ -228,11 +256,14 @@ fn intent_learns_from_recorded_flights_and_is_scored_on_others_than_those_it_lea
 
 #[test]
 fn live_learning_gives_a_new_model_after_every_episode_and_the_same_ones_again() {
-    let bench = Bench::new();
-    let shipped = values(&bench, &small(), 1, 2, None);
+    BENCHES.iter().for_each(|bench| learns_live(&bench()));
+}
+
+fn learns_live(bench: &Bench) {
+    let shipped = values(bench, &small(), 1, 2, None);
     let mut models = Models::new();
     models.add_model(shipped.clone());
-    let recorded = flights(&bench, &models, Inference::Nearest, 0..3);
+    let recorded = flights(bench, &models, Inference::Nearest, 0..3);
     let options = LiveOptions { own_steps: 300, ..LiveOptions::default() };
     let learn = || {
         let mut learner = LiveLearner::new(&bench.plants, &shipped, options, 9).unwrap();

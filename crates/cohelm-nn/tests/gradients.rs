@@ -206,19 +206,21 @@ fn calibrated_head_out_of_range_is_pulled_back_only() {
 }
 
 fn check_critic(hidden: &[usize]) {
-    let shape = CriticShape::new(5, hidden, 3, 6).unwrap();
+    let shape = CriticShape::new(5, hidden, 3, 20).unwrap();
     let mut critic = Critic::new(&shape, uniform(3));
     let rows = 7;
     let (x, actions, reference) = (numbers(4, rows * 5), numbers(6, rows * 3), numbers(7, 4 * 3));
     let w = numbers(5, rows);
     let mut batch = CriticBatch::new(&shape, &reference, rows, rows);
     let mut gradient = vec![f32::NAN; shape.parameters()];
-    batch.each(&critic, &x, &actions);
+    batch.look(&critic, &x);
+    batch.each(&critic, &actions);
     batch.backward(&critic, &x, &w, &mut gradient);
     let mut params = critic.params().to_vec();
     assert_gradient(&mut params, &gradient, |p| {
         critic.params_mut().copy_from_slice(p);
-        weighted(batch.each(&critic, &x, &actions), &w)
+        batch.look(&critic, &x);
+        weighted(batch.each(&critic, &actions), &w)
     });
 }
 

@@ -201,8 +201,15 @@ impl ActionSpace {
     /// `weight` in [0, 1] is the robot's; at 0 the asked action comes back bit for bit.
     pub fn blend(&self, robot: Action, asked: Action, weight: f32) -> Option<Action> {
         match (self, robot, asked) {
-            (Self::Axes { .. }, Action::Axes(robot), Action::Axes(asked)) => {
-                Some(Action::Axes(core::array::from_fn(|i| asked[i] + weight * (robot[i] - asked[i]))))
+            // Said apart, because −0 + 0 is +0.
+            (Self::Axes { .. }, Action::Axes(_), Action::Axes(_)) if weight == 0.0 => Some(asked),
+            (Self::Axes { low, high, .. }, Action::Axes(robot), Action::Axes(asked)) => {
+                let mut blended = [0.0; 4];
+                for (i, (low, high)) in low.iter().zip(high).enumerate().take(blended.len()) {
+                    // Rounding may carry a sum a hair beyond both of its ends.
+                    blended[i] = (asked[i] + weight * (robot[i] - asked[i])).max(*low).min(*high);
+                }
+                Some(Action::Axes(blended))
             }
             (Self::Levers { levers }, Action::Command(robot), Action::Command(asked)) => {
                 let pairs = lever_positions(levers, robot).zip(lever_positions(levers, asked));
@@ -362,6 +369,8 @@ mod tests {
         let space = ActionSpace::Axes { names: vec!["x".into()], low: vec![-1.0], high: vec![1.0] };
         let (robot, asked) = (Action::axes(&[1.0]), Action::axes(&[0.1]));
         assert_eq!(space.blend(robot, asked, 0.0), Some(asked));
+        let rest = space.blend(robot, Action::axes(&[-0.0]), 0.0).unwrap();
+        assert!(rest.axis(0).is_sign_negative(), "the bits of the person's zero are theirs too");
         assert_eq!(space.blend(robot, Action::axes(&[0.0]), 0.25), Some(Action::axes(&[0.25])));
         assert!(
             space.contains(asked)

@@ -64,6 +64,11 @@ fn goal(id: u32, x: f32, y: f32) -> Goal {
     Goal { id, position: [x, y] }
 }
 
+/// The same key again and again: pressed at even ticks, let go at odd ones.
+fn tapped(tick: u32, command: u8) -> Option<Action> {
+    (tick % 2 == 0).then_some(Action::Command(command))
+}
+
 const LEFT: Option<Action> = Some(Action::Command(1));
 const RIGHT: Option<Action> = Some(Action::Command(2));
 
@@ -157,7 +162,7 @@ fn what_is_asked_tells_the_goal_and_silence_tells_nothing() {
     assert_eq!((begun.confidence, begun.probabilities()), (0.0, &[0.5, 0.5][..]));
     let mut sure = begun;
     for tick in 1..40 {
-        sure = model.infer(&view(tick, &two()), RIGHT);
+        sure = model.infer(&view(tick, &two()), tapped(tick, 2));
     }
     assert!(sure.goal == 1 && sure.probabilities()[1] > 0.9, "{sure:?}");
     let after_silence = model.infer(&view(40, &two()), None);
@@ -166,12 +171,22 @@ fn what_is_asked_tells_the_goal_and_silence_tells_nothing() {
 }
 
 #[test]
+fn a_key_that_is_held_is_one_decision() {
+    let (mut held, mut pressed) = (by_values(), by_values());
+    for tick in 0..10 {
+        let so_far = held.infer(&view(tick, &two()), RIGHT);
+        let once = pressed.infer(&view(tick, &two()), if tick == 0 { RIGHT } else { None });
+        assert_eq!(so_far, once);
+    }
+}
+
+#[test]
 fn a_changed_mind_is_followed() {
     let mut model = by_values();
     for tick in 0..500 {
-        model.infer(&view(tick, &two()), RIGHT);
+        model.infer(&view(tick, &two()), tapped(tick, 2));
     }
-    let followed = (500..).find(|&tick| model.infer(&view(tick, &two()), LEFT).goal == 0).unwrap();
+    let followed = (500..).find(|&tick| model.infer(&view(tick, &two()), tapped(tick, 1)).goal == 0).unwrap();
     assert!((502..550).contains(&followed), "after {} ticks", followed - 500);
 }
 
@@ -179,7 +194,7 @@ fn a_changed_mind_is_followed() {
 fn a_goal_that_appears_gets_its_share_and_one_that_vanishes_leaves_its_mass() {
     let mut model = by_values();
     for tick in 0..40 {
-        model.infer(&view(tick, &two()), RIGHT);
+        model.infer(&view(tick, &two()), tapped(tick, 2));
     }
     let three = [goal(4, -1.0, 0.0), goal(7, 0.0, 1.0), goal(9, 1.0, 0.0)];
     let with_third = model.infer(&view(40, &three), None);

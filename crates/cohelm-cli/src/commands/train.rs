@@ -8,6 +8,7 @@ use crate::output::{Format, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use cohelm::action::ActionSpace;
 use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
@@ -39,8 +40,8 @@ pub struct Train {
     /// An option of the plant, NAME=VALUE; may be given again.
     #[arg(long = "option", value_name = "NAME=VALUE")]
     options: Vec<String>,
-    /// Options of value training to begin with: default, paper, sees-asked or gymnasium (the usual one for
-    /// gymnasium-lander).
+    /// Options of value training to begin with: default, axes (the usual one for actions on axes), paper, sees-asked or
+    /// gymnasium (the usual one for gymnasium-lander).
     #[arg(long)]
     preset: Option<String>,
     /// Changes an option of value training, NAME=JSON; may be given again.
@@ -97,8 +98,8 @@ impl Train {
         let plants = rig::plants();
         let (plant, entry) = (plants.make(&task)?, plants.entry(&task)?);
         let name = self.name.clone().unwrap_or_else(|| usual_name(&task, entry));
-        let preset = self.preset_name(entry);
-        let variant = (preset != entry.preset && preset != "default").then_some(preset);
+        let preset = self.preset_name(entry, plant.space());
+        let variant = (preset != entry.preset && !["default", "axes"].contains(&preset)).then_some(preset);
         let job = Job {
             plants: &plants,
             task: &task,
@@ -130,7 +131,8 @@ impl Train {
 
 impl Train {
     fn values(&self, job: &Job<'_>) -> Result<TrainedValues> {
-        let preset = ValueOptions::preset(self.preset_name(job.plants.entry(job.task)?))?;
+        let preset =
+            ValueOptions::preset(self.preset_name(job.plants.entry(job.task)?, job.plant()?.space()))?;
         let options: ValueOptions = changed(&preset, &self.value_options)?;
         let bar = self.bar();
         let pilots = |plant: &dyn Plant, number: u64| pilots(job.plants, job.task, plant, number);
@@ -174,8 +176,9 @@ impl Train {
         Ok(write_model(&self.out.join(format!("{}.{}.safetensors", card.name, card.kind.word())), model)?)
     }
 
-    fn preset_name<'a>(&'a self, entry: &'a PlantEntry) -> &'a str {
-        self.preset.as_deref().unwrap_or(entry.preset)
+    fn preset_name<'a>(&'a self, entry: &'a PlantEntry, space: &ActionSpace) -> &'a str {
+        let axes = matches!(space, ActionSpace::Axes { .. }) && entry.preset == "default";
+        self.preset.as_deref().unwrap_or(if axes { "axes" } else { entry.preset })
     }
 
     /// Makes the models of all recipes, beside the file that holds them.

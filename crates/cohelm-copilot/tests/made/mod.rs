@@ -6,7 +6,9 @@ use cohelm::registry::{Plants, Task};
 use cohelm_copilot::encode::{INTENT_VERSION, IntentEncoder, VALUES_VERSION, ValueEncoder};
 use cohelm_copilot::model::IntentNetworks;
 use cohelm_copilot::outputs::Outputs;
+use cohelm_copilot::search::Search;
 use cohelm_copilot::{Card, Kind, Model, TrainedWith};
+use cohelm_nn::critic::Critic;
 use cohelm_nn::goal_head;
 use cohelm_nn::lstm::{Lstm, LstmShape};
 use cohelm_nn::mlp::{Head, Mlp, MlpShape};
@@ -59,8 +61,29 @@ pub fn values(seed: u64) -> Model {
     Model::of_values(&card, &values_network(&card, seed)).unwrap()
 }
 
+pub fn axes_task() -> Task {
+    task().with("actions", "continuous")
+}
+
+pub fn critic(card: &Card, seed: u64) -> Critic {
+    let inputs = ValueEncoder::new(card.state, 0).len();
+    let shape = Search::shape(&card.space, inputs, &[64, 64]).unwrap();
+    let mut draws = Draws::new(seed);
+    Critic::new(&shape, || draws.unit() as f32)
+}
+
+pub fn values_on_axes(seed: u64) -> Model {
+    let card = card(Kind::Values, &axes_task());
+    Model::of_values(&card, &critic(&card, seed)).unwrap()
+}
+
+pub fn intent_on_axes(seed: u64) -> Model {
+    let card = card(Kind::Intent, &axes_task());
+    Model::of_intent(&card, &intent_networks(&card, seed)).unwrap()
+}
+
 pub fn intent_networks(card: &Card, seed: u64) -> IntentNetworks {
-    let encoder = IntentEncoder::new(card.space.commands(), card.state, card.goals);
+    let encoder = IntentEncoder::new(&card.space, card.state, card.goals).unwrap();
     let mut draws = Draws::new(seed);
     let mut lstm =
         |input, output| Lstm::new(LstmShape::new(input, 64, output).unwrap(), || draws.unit() as f32);
@@ -78,5 +101,10 @@ pub fn intent(seed: u64) -> Model {
 /// Intent that knows no goals.
 pub fn imagining(seed: u64) -> Model {
     let card = Card { goals: 0, goal_spread: Some(0.4), ..card(Kind::Intent, &task()) };
+    Model::of_intent(&card, &intent_networks(&card, seed)).unwrap()
+}
+
+pub fn imagining_on_axes(seed: u64) -> Model {
+    let card = Card { goals: 0, goal_spread: Some(0.4), ..card(Kind::Intent, &axes_task()) };
     Model::of_intent(&card, &intent_networks(&card, seed)).unwrap()
 }

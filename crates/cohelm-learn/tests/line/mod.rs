@@ -17,6 +17,7 @@ const HALF: i32 = 8;
 const LIMIT: u32 = 60;
 
 pub struct Line {
+    /// Commands to stay and to go; or an axis that goes one place if it is beyond half.
     space: ActionSpace,
     tick: u32,
     place: i32,
@@ -32,6 +33,11 @@ impl Line {
         let names = ["stay", "left", "right"].map(String::from).to_vec();
         let space = ActionSpace::Single { names, pushes: vec![None, push(false), push(true)] };
         Self { space, tick: 0, place: 0, wanted: 0, state: [0.0; 2] }
+    }
+
+    pub fn with_an_axis() -> Self {
+        let space = ActionSpace::Axes { names: vec!["push".into()], low: vec![-1.0], high: vec![1.0] };
+        Self { space, ..Self::new() }
     }
 
     fn begin(&mut self, seed: u64, difficulty: f64) {
@@ -53,9 +59,10 @@ impl Plant for Line {
     }
 
     fn step(&mut self, executed: Option<Action>) -> Step {
-        self.place += match executed.and_then(|action| action.command()) {
-            Some(1) => -1,
-            Some(2) => 1,
+        self.place += match executed {
+            Some(Action::Command(1)) => -1,
+            Some(Action::Command(2)) => 1,
+            Some(Action::Axes([push, ..])) => i32::from(push > 0.5) - i32::from(push < -0.5),
             _ => 0,
         };
         self.tick += 1;
@@ -105,11 +112,14 @@ impl Plant for Line {
 
     fn mirror(&self) -> Option<Mirror> {
         let state = vec![(0, -1.0), (1, 1.0)];
-        Some(Mirror { state, position: [-1.0, 1.0], commands: vec![0, 2, 1], axes: vec![] })
+        Some(Mirror { state, position: [-1.0, 1.0], commands: vec![0, 2, 1], axes: vec![(0, -1.0)] })
     }
 
     fn teacher(&mut self, goal: usize) -> Option<Action> {
-        Some(Action::Command(1 + goal as u8))
+        Some(match self.space {
+            ActionSpace::Axes { .. } => Action::axes(&[2.0 * goal as f32 - 1.0]),
+            _ => Action::Command(1 + goal as u8),
+        })
     }
 }
 
@@ -118,7 +128,10 @@ pub fn entry() -> PlantEntry {
         name: "line",
         version: 1,
         summary: "a line with a goal at each end",
-        make: |_| Ok(Box::new(Line::new())),
+        make: |options| {
+            let axis = options.get("actions").is_some();
+            Ok(Box::new(if axis { Line::with_an_axis() } else { Line::new() }))
+        },
         values: None,
         skill: None,
         actions: &[],
@@ -130,6 +143,7 @@ pub fn entry() -> PlantEntry {
 pub struct Walker {
     draws: Draws,
     mistakes: f64,
+    axis: bool,
 }
 
 impl Pilot for Walker {
@@ -138,16 +152,18 @@ impl Pilot for Walker {
     }
 
     fn ask(&mut self, _view: &View<'_>, goal: usize) -> Option<Action> {
-        match self.draws.chance(self.mistakes) {
-            true => Some(Action::Command(self.draws.below(3) as u8)),
-            false => self.draws.chance(0.7).then_some(Action::Command(1 + goal as u8)),
-        }
+        let command = match self.draws.chance(self.mistakes) {
+            true => Some(self.draws.below(3) as u8),
+            false => self.draws.chance(0.7).then_some(1 + goal as u8),
+        };
+        let push = |command| Action::axes(&[[0.0, -1.0, 1.0][usize::from(command)]]);
+        command.map(|command| if self.axis { push(command) } else { Action::Command(command) })
     }
 }
 
-pub fn walker(_plant: &dyn Plant, number: u64) -> Result<Box<dyn Pilot>, String> {
+pub fn walker(plant: &dyn Plant, number: u64) -> Result<Box<dyn Pilot>, String> {
     let mistakes = 0.1 + 0.02 * (number % 10) as f64;
-    Ok(Box::new(Walker { draws: Draws::new(number), mistakes }))
+    Ok(Box::new(Walker { draws: Draws::new(number), mistakes, axis: plant.space().commands() == 0 }))
 }
 
 /// What every test needs to stay alive.
@@ -161,6 +177,11 @@ impl Bench {
         let mut plants = Plants::default();
         plants.register(entry());
         Self { plants, task: Task::new("line") }
+    }
+
+    /// The same line, gone along by an axis.
+    pub fn with_an_axis() -> Self {
+        Self { task: Task::new("line").with("actions", "axis"), ..Self::new() }
     }
 
     pub fn job<'a>(&'a self, seed: u64, threads: usize, checkpoints: Option<&'a Path>) -> Job<'a> {

@@ -12,6 +12,8 @@ use crate::mlp::MlpBatch;
 pub struct CriticBatch {
     shape: CriticShape,
     state: MlpBatch,
+    /// States looked at last.
+    rows: usize,
     /// The actions of reference, over which the mean φ̄ goes.
     reference: Vec<f32>,
     /// φ: first of the actions of reference, then of those of the batch, `[actions][width]`.
@@ -40,6 +42,7 @@ impl CriticBatch {
         let actions = reference.len() / action + most_actions;
         Self {
             state: MlpBatch::new(shape.state_tower(), most_rows),
+            rows: 0,
             phi: vec![0.0; actions * width],
             mean: vec![0.0; width],
             columns: vec![0.0; width * most_actions],
@@ -53,14 +56,23 @@ impl CriticBatch {
         }
     }
 
-    /// Q of every one of `actions` in every state of `x`: `[states][actions]`. Agrees with [`Critic::values`] to about
-    /// 1e-6, not to the bit.
+    /// Runs the state's tower on the states `x`, `[states][inputs]`.
     ///
     /// # Panics
-    /// If the critic has another shape, or there are too many states or actions.
-    pub fn every(&mut self, critic: &Critic, x: &[f32], actions: &[f32]) -> &[f32] {
-        let (rows, count) = self.forward(critic, x, actions);
-        let width = self.shape.width();
+    /// If the critic has another shape, `x` is not a whole number of states, or there are too many.
+    pub fn look(&mut self, critic: &Critic, x: &[f32]) {
+        assert_eq!(critic.shape(), &self.shape, "a workspace serves one shape");
+        self.state.forward_params(critic.params(), x);
+        self.rows = x.len() / self.shape.input();
+    }
+
+    /// Q of every one of `actions` in every state that the same critic looked at last: `[states][actions]`. Agrees with
+    /// [`Critic::values`] to about 1e-6, not to the bit.
+    ///
+    /// # Panics
+    /// If the critic has another shape, or there are too many actions.
+    pub fn every(&mut self, critic: &Critic, actions: &[f32]) -> &[f32] {
+        let (rows, count, width) = (self.rows, self.embed(critic, actions), self.shape.width());
         let phi = &self.phi[self.references() * width..][..count * width];
         transpose(phi, count, width, &mut self.columns[..width * count]);
         let (columns, mean) = (&mut self.columns[..width * count], &self.mean);
@@ -84,25 +96,28 @@ impl CriticBatch {
         &self.values[..rows * count]
     }
 
-    /// Q of one action a state: the i-th of `actions` in the i-th state of `x`.
+    /// Q of one action a state: the i-th of `actions` in the i-th of the states that the same critic looked at last, of
+    /// which there may be more.
     ///
     /// # Panics
-    /// If the critic has another shape, or there are too many or not as many actions as states.
-    pub fn each(&mut self, critic: &Critic, x: &[f32], actions: &[f32]) -> &[f32] {
-        let (rows, count) = self.forward(critic, x, actions);
-        assert_eq!(rows, count, "one action a state");
+    /// If the critic has another shape, or there are more actions than states.
+    pub fn each(&mut self, critic: &Critic, actions: &[f32]) -> &[f32] {
+        let count = self.embed(critic, actions);
+        assert!(count <= self.rows, "{count} actions in {} states", self.rows);
         let width = self.shape.width();
         let phi = self.phi[self.references() * width..].chunks_exact(width);
         let outputs = self.state.outputs().chunks_exact(width + 1);
-        for (value, (output, phi)) in self.values.iter_mut().zip(outputs.zip(phi)).take(rows) {
-            let products = output.iter().zip(phi.iter().zip(&self.mean));
-            *value = products.fold(output[width], |sum, (w, (phi, mean))| sum + w * (phi - mean));
-        }
-        &self.values[..rows]
+        let (values, mean) = (&mut self.values[..count], &self.mean);
+        vectorised(|| {
+            for (value, (output, phi)) in values.iter_mut().zip(outputs.zip(phi)) {
+                *value = output[width] + product(&output[..width], phi, mean);
+            }
+        });
+        &self.values[..count]
     }
 
     /// Writes the gradient of the parameters into `gradient` (which it replaces), after [`each`](Self::each) of the same
-    /// critic and states; `d_values` is the loss's gradient at its values.
+    /// critic; `x` are the states that it valued and `d_values` is the loss's gradient at its values.
     ///
     /// # Panics
     /// If lengths do not fit.
@@ -151,12 +166,11 @@ impl CriticBatch {
         dense_batch::gradient(&layer, &self.encoded, d_phi, gradient);
     }
 
-    /// Runs both towers; returns how many states and actions there are.
-    fn forward(&mut self, critic: &Critic, x: &[f32], actions: &[f32]) -> (usize, usize) {
+    /// Runs the action's tower on the actions of reference and on others; returns how many others there are.
+    fn embed(&mut self, critic: &Critic, actions: &[f32]) -> usize {
         assert_eq!(critic.shape(), &self.shape, "a workspace serves one shape");
         let (layer, width) = (self.shape.action_layer(), self.shape.width());
         assert_eq!(actions.len() % layer.inputs, 0, "actions of {} numbers", layer.inputs);
-        self.state.forward_params(critic.params(), x);
         self.encoded.clear();
         self.encoded.extend_from_slice(&self.reference);
         self.encoded.extend_from_slice(actions);
@@ -164,15 +178,35 @@ impl CriticBatch {
         dense_batch::forward(&layer, critic.params(), true, &self.encoded, phi);
         let references = self.reference.len() / layer.inputs;
         let (mean, reference) = (&mut self.mean, &self.phi[..references * width]);
-        mean.fill(0.0);
-        for phi in reference.chunks_exact(width) {
-            mean.iter_mut().zip(phi).for_each(|(mean, phi)| *mean += phi);
-        }
-        mean.iter_mut().for_each(|mean| *mean /= references as f32);
-        (x.len() / self.shape.input(), actions.len() / layer.inputs)
+        vectorised(|| {
+            mean.fill(0.0);
+            for phi in reference.chunks_exact(width) {
+                mean.iter_mut().zip(phi).for_each(|(mean, phi)| *mean += phi);
+            }
+            mean.iter_mut().for_each(|mean| *mean /= references as f32);
+        });
+        actions.len() / layer.inputs
     }
 
     fn references(&self) -> usize {
         self.reference.len() / self.shape.action()
     }
+}
+
+/// Sums that run side by side in [`product`].
+const SUMS: usize = 16;
+
+/// w · (φ − φ̄), as sixteen sums side by side that are added up at the end: the same bits for any width of registers.
+#[inline(always)]
+fn product(weights: &[f32], phi: &[f32], mean: &[f32]) -> f32 {
+    let mut sums = [0.0; SUMS];
+    let blocks = weights.chunks_exact(SUMS).zip(phi.chunks_exact(SUMS).zip(mean.chunks_exact(SUMS)));
+    for (weights, (phi, mean)) in blocks {
+        for k in 0..SUMS {
+            sums[k] += weights[k] * (phi[k] - mean[k]);
+        }
+    }
+    let whole = weights.len() / SUMS * SUMS;
+    let rest = weights[whole..].iter().zip(phi[whole..].iter().zip(&mean[whole..]));
+    rest.fold(sums.iter().sum(), |sum, (weight, (phi, mean))| sum + weight * (phi - mean))
 }

@@ -28,7 +28,7 @@ pub fn random_models(
     let inputs = ValueEncoder::new(state, 0).len();
     let values = Mlp::new(&MlpShape::new(inputs, &[128, 128], Head::Dueling(outputs.len()))?, &mut uniform);
 
-    let encoder = IntentEncoder::new(outputs.commands(), state, goals);
+    let encoder = IntentEncoder::new(plant.space(), state, goals).ok_or("a space without actions")?;
     let mut lstm = |inputs, outputs| -> Result<Lstm, Box<dyn Error>> {
         Ok(Lstm::new(LstmShape::new(inputs, 64, outputs)?, &mut uniform))
     };

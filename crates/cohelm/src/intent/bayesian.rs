@@ -1,9 +1,11 @@
 //! Which goal explains best what is asked: inference by the values of every goal.
 //!
 //! The pilot is taken to choose nearly rationally for its goal (Boltzmann-rational; Dragan & Srinivasa 2013, Javdani et
-//! al. 2015, 2018): p(a | s, g) ∝ exp(β (Q_g(s, a) − max Q_g)), β counted in the values' median range. Tick by tick the
-//! belief is multiplied by that likelihood, raised to a weight, because a key that is held for ten ticks is one decision
-//! and not ten. Before that a little of it is spread over all goals: the pilot may have changed its mind.
+//! al. 2015, 2018): p(a | s, g) ∝ exp(β (Q_g(s, a) − max Q_g)), β counted in the values' median range. At every decision of
+//! the pilot the belief is multiplied by that likelihood, raised to a weight. A decision is a tick at which something else
+//! is asked than at the tick before: a key that is held for ten ticks is one and not ten. (With every tick counted, the
+//! belief in the pilot's own goal was worse than none: the surprise rose above that of a uniform one.) At every tick a
+//! little of the belief is spread over all goals: the pilot may have changed its mind.
 //!
 //! Only effects count: commands that would leave the plant set alike are one action with the best of their values. A
 //! silent tick says nothing: under a rule that helps, silence would otherwise count as consent to whatever the co-pilot
@@ -20,8 +22,8 @@ pub struct Evidence {
     /// β: how surely the better action is chosen, where actions differ by the values' median range. 0: what is asked says
     /// nothing. Beyond 5 one wrong key outweighs a second of flight.
     pub rationality: f64,
-    /// Power to which a tick's likelihood is raised, from 0 to 1. 1: every tick is a decision of its own, and a key that
-    /// is held makes the belief jump. Low: slow to believe anything.
+    /// Power to which a decision's likelihood is raised, from 0 to 1. 1: decisions depend on nothing but state and goal,
+    /// and one slip of a finger counts in full. Low: slow to believe anything.
     pub weight: f64,
     /// Probability, a tick, that the pilot wants another goal from now on, above 0 and at most 1. Low: a changed mind is
     /// noticed late. High: nothing is ever known for long.
@@ -31,7 +33,7 @@ pub struct Evidence {
 impl Default for Evidence {
     /// Chosen on simulated pilots for training, by the surprise (−ln p) at the pilot's goal; see `docs/intent.md`.
     fn default() -> Self {
-        Self { rationality: 1.0, weight: 0.3, change: 0.002 }
+        Self { rationality: 2.0, weight: 0.1, change: 0.005 }
     }
 }
 
@@ -64,6 +66,7 @@ pub struct ValueIntent {
     posterior: Posterior,
     candidates: Vec<Action>,
     of_goal: Vec<f32>,
+    before: Option<Action>,
 }
 
 impl ValueIntent {
@@ -81,7 +84,7 @@ impl ValueIntent {
             return wrong("the rationality β", "from 0 to 1000", rationality);
         }
         if !(0.0..=1.0).contains(&weight) {
-            return wrong("the weight of a tick", "from 0 to 1", weight);
+            return wrong("the weight of a decision", "from 0 to 1", weight);
         }
         if !(change > 0.0 && change <= 1.0) {
             return wrong("the probability of a change of mind", "above 0 and at most 1", change);
@@ -92,7 +95,7 @@ impl ValueIntent {
         let per_unit = rationality / median_range;
         let (candidates, of_goal) = (Vec::new(), Vec::new());
         let (space, posterior) = (space.clone(), Posterior::default());
-        Ok(Self { values, space, per_unit, evidence, posterior, candidates, of_goal })
+        Ok(Self { values, space, per_unit, evidence, posterior, candidates, of_goal, before: None })
     }
 
     /// The logarithm of how likely what is asked is for each goal, over the same candidates; `None` if it says nothing.
@@ -118,6 +121,7 @@ impl ValueIntent {
 impl IntentModel for ValueIntent {
     fn begin(&mut self) {
         self.posterior = Posterior::default();
+        self.before = None;
     }
 
     fn infer(&mut self, view: &View<'_>, asked: Option<Action>) -> Belief {
@@ -125,7 +129,8 @@ impl IntentModel for ValueIntent {
         let view = &View { goals, ..*view };
         self.posterior.follow(goals);
         self.posterior.spread(self.evidence.change);
-        if goals.len() > 1 {
+        let decided = asked != std::mem::replace(&mut self.before, asked);
+        if goals.len() > 1 && decided {
             if let Some(logs) = asked.and_then(|asked| self.likelihoods(view, asked)) {
                 self.posterior.weigh(&logs);
             }
