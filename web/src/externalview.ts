@@ -130,6 +130,11 @@ export class ExternalView implements View {
     return OFFERED.find((entry) => entry.mode === this.settings.mode) ?? OFFERED[0]!;
   }
 
+  /** What is flown: alone, where no values fit. */
+  private modeOf(plant: ExternalReady): ModeEntry {
+    return plant.has_values ? this.mode : OFFERED[0]!;
+  }
+
   private prepare(): void {
     this.state = 'waiting';
     this.hands?.detach();
@@ -162,7 +167,7 @@ export class ExternalView implements View {
     this.stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, opening.ticks_per_second);
     this.history = new History();
     this.overlay.begin(opening.setup.rule, opening.pilot_goal, opening.goals, []);
-    this.hud.begin(opening, this.mode.label, plant.name);
+    this.hud.begin(opening, this.modeOf(plant).label, plant.name);
     const since = () => performance.now() - this.startedAt;
     this.hands = new Hands(
       opening.controls,
@@ -245,7 +250,8 @@ export class ExternalView implements View {
     );
   }
 
-  private showReady({ name, has_axes: hasAxes, has_values: hasValues, opening }: ExternalReady): void {
+  private showReady(plant: ExternalReady): void {
+    const { name, has_axes: hasAxes, has_values: hasValues, opening } = plant;
     const keys = opening.controls.map((control) =>
       element(
         'span',
@@ -254,13 +260,13 @@ export class ExternalView implements View {
         control.name,
       ),
     );
-    const alone = hasValues || this.mode.mode === 'hic' ? [] : ['No values fit this plant: you fly alone.'];
+    const alone = hasValues || this.mode.mode === 'hic' ? [] : ['No values fit this plant, so there is no co-pilot.'];
     this.card.show(
       'ready',
       `Ready: ${name}`,
       [
         element('p', {}, 'It is elsewhere and cannot be paused: let go of everything, or look away, and it stops.'),
-        element('p', { class: 'mode-title' }, this.mode.title),
+        element('p', { class: 'mode-title' }, this.modeOf(plant).title),
         ...alone.map((text) => element('p', {}, text)),
         element('div', { class: 'keys' }, ...keys),
         ...(hasAxes ? [element('p', { class: 'drag' }, DRAG)] : []),

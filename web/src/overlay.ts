@@ -3,6 +3,7 @@
 import type { Goal, Rule, Tick } from './core';
 import { element } from './dom';
 import { drawStrip, History, outcomeOf } from './history';
+import { drawPlane, planeOf, worthOf } from './plane';
 import { RULES } from './words';
 
 /** Ticks of history that are shown: five seconds at fifty a second. */
@@ -15,6 +16,10 @@ const LONG_NAME = 12;
 
 const VERDICTS = { none: '', asked: '= as asked', corrected: '≠ corrected', opposed: '⇄ the opposite' };
 
+/** What the marks mean where every action has a row, and where actions are points of a plane. */
+const OF_COMMANDS = '▸ asked · ● carried out · | threshold';
+const OF_AXES = '○ asked · + carried out · green allowed, larger is worth more · | threshold';
+
 /** The panel beside the flight. */
 export class Overlay {
   readonly node = element('aside', { class: 'overlay', 'aria-label': 'What the co-pilot does' });
@@ -24,6 +29,8 @@ export class Overlay {
   private readonly goals = element('div', { class: 'bars' });
   private readonly confidence = element('div', { class: 'bars' });
   private readonly values = element('div', { class: 'bars values' });
+  private readonly plane = element('canvas', { class: 'plane', hidden: '' });
+  private readonly legend = element('p', { class: 'note legend' }, OF_COMMANDS);
   private readonly rule = element('p', { class: 'note' });
   private readonly strip = element('canvas', { class: 'strip' });
   private ruleWord: Rule['rule'] = 'hic';
@@ -35,7 +42,7 @@ export class Overlay {
     this.node.append(
       section('Pilot', element('p', {}, 'asks for ', this.asked)),
       section('Intent', this.goals, this.confidence),
-      section('Value', this.values, element('p', { class: 'note legend' }, '▸ asked · ● carried out · | threshold')),
+      section('Value', this.plane, this.values, this.legend),
       section('Arbitration', this.rule, element('p', {}, 'carries out ', this.executed, this.verdict)),
       section(
         'Last five seconds',
@@ -112,6 +119,14 @@ export class Overlay {
 
   private showValues(tick: Tick): void {
     const { candidates } = tick;
+    const plane = planeOf(tick);
+    this.plane.hidden = plane === null;
+    write(this.legend, plane === null ? OF_COMMANDS : OF_AXES);
+    if (plane !== null) {
+      drawPlane(this.plane, plane);
+      this.showAxes(tick);
+      return;
+    }
     this.values.classList.toggle(
       'wide',
       candidates.some(({ action }) => action.label.length > LONG_NAME),
@@ -132,6 +147,26 @@ export class Overlay {
       );
     });
     const { threshold } = tick;
+    setThreshold(this.values, threshold === null ? null : Math.min(threshold / most, 1));
+  }
+
+  /** Of many candidates only what is asked, what is carried out and the best have a row, and the share that is allowed. */
+  private showAxes(tick: Tick): void {
+    const { candidates, threshold } = tick;
+    const most = Math.max(...candidates.map((candidate) => candidate.above_worst), 1e-9);
+    const allowed = candidates.filter((candidate) => candidate.allowed).length;
+    const worths: [string, number | null][] = [
+      ['asked', worthOf(tick, tick.asked)],
+      ['carried out', worthOf(tick, tick.executed)],
+      ['best', most],
+    ];
+    this.values.classList.remove('wide');
+    const [asked, executed, best, share] = rows(this.values, 4) as [HTMLElement, HTMLElement, HTMLElement, HTMLElement];
+    [asked, executed, best].forEach((row, i) => {
+      const [name, worth] = worths[i]!;
+      setRow(row, name, '', (worth ?? 0) / most, worth === null ? '–' : worth.toFixed(2), 'allowed');
+    });
+    setRow(share, 'allowed', '', allowed / candidates.length, `${allowed} of ${candidates.length}`, 'confidence');
     setThreshold(this.values, threshold === null ? null : Math.min(threshold / most, 1));
   }
 }

@@ -160,6 +160,9 @@ pub fn cockpit(
     Ok(if setup.inference.hides_goals() { cockpit.with_goals_hidden() } else { cockpit })
 }
 
+/// A value model and the median range of its values, NaN where nobody knows it.
+type Valued = (Box<dyn ValueModel>, f64);
+
 /// Finds models and holds them against the plant.
 struct Fitting<'a> {
     setup: &'a Setup,
@@ -171,14 +174,14 @@ struct Fitting<'a> {
 
 impl Fitting<'_> {
     /// The values of the setup and their median range, if there are any.
-    fn estimator(&self) -> Result<Option<(Box<dyn ValueModel>, f64)>, CockpitError> {
+    fn estimator(&self) -> Result<Option<Valued>, CockpitError> {
         match (&self.setup.values, self.hand_made) {
             (Some(hash), _) => self.values(hash).map(Some),
             (None, hand_made) => Ok(hand_made.map(|make| (make(), f64::NAN))),
         }
     }
 
-    fn values(&self, hash: &str) -> Result<(Box<dyn ValueModel>, f64), CockpitError> {
+    fn values(&self, hash: &str) -> Result<Valued, CockpitError> {
         let model = self.model(Kind::Values, hash)?;
         let Network::Values(network) = model.network() else { return Err(wrong_kind(model, Kind::Values)) };
         let values = NetworkValues::new(model.card(), network.clone());

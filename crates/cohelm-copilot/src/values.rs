@@ -21,7 +21,7 @@ pub struct NetworkValues(Estimator);
 
 #[derive(Clone, Debug)]
 enum Estimator {
-    Commands(OfCommands),
+    Commands(Box<OfCommands>),
     Axes(Box<OfAxes>),
 }
 
@@ -30,7 +30,7 @@ impl NetworkValues {
     /// [`Model`](crate::model::Model) checked.
     pub fn new(card: &Card, network: ValueNetwork) -> Option<Self> {
         Some(Self(match network {
-            ValueNetwork::Commands(network) => Estimator::Commands(OfCommands::new(card, network)?),
+            ValueNetwork::Commands(network) => Estimator::Commands(Box::new(OfCommands::new(card, network)?)),
             ValueNetwork::Axes(critic) => Estimator::Axes(Box::new(OfAxes::new(card, critic)?)),
         }))
     }

@@ -6,6 +6,7 @@
 //! | [`words`] | what is said over the socket |
 //! | [`line`] | one line out, one line in, before a deadline |
 //! | [`external`] | the plant at the other end, as a [`Plant`](cohelm::plant::Plant) |
+//! | [`other_end`] | the other end, for a simulator in Rust |
 //!
 //! Blocking, without any async: a tick waits for its answer, and for no longer than the time-out. Whatever goes wrong at
 //! the other end is an ending of the episode and never an error inside the tick. It knows no page and no database.
@@ -14,6 +15,7 @@
 pub mod address;
 pub mod external;
 pub mod line;
+pub mod other_end;
 pub mod words;
 
 pub use address::Address;

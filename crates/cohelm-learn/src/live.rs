@@ -121,7 +121,7 @@ impl LiveLearner {
             json!({ "options": self.options, "began_with": self.began_with, "episodes": self.episodes });
         let options = json!({ "training": self.training, "live": live });
         let card = Card { variant, options, seed: self.seed, scores: json!({}), ..self.card.clone() };
-        Ok(Model::of_values(&card, &self.learner.weights.online.to_network())?)
+        Ok(Model::of_values(&card, self.learner.weights.online.to_network())?)
     }
 
     /// Turns an episode into transitions.

@@ -61,13 +61,16 @@ pub struct Shipped {
     pub fresh: Option<Evaluation>,
 }
 
+/// Makes the simulated pilot of a number for a task.
+pub type TaskPilots<'a> = &'a (dyn Fn(&Task, &dyn Plant, u64) -> Result<Box<dyn Pilot>, String> + Sync);
+
 /// With what recipes are carried out.
 #[derive(Clone, Copy)]
 pub struct Yard<'a> {
     /// The plants there are.
     pub plants: &'a Plants,
     /// Makes the simulated pilot of a number for a task: the same person for the same number.
-    pub pilots: &'a (dyn Fn(&Task, &dyn Plant, u64) -> Result<Box<dyn Pilot>, String> + Sync),
+    pub pilots: TaskPilots<'a>,
     /// Threads to use.
     pub threads: NonZeroUsize,
     /// Where models and cards go.

@@ -327,7 +327,7 @@ impl<'a> Training<'a> {
         let range = median_range(self.job, &self.as_values(&network, None)?)?;
         let card = Card { scores: json!({ "validation": validation }), ..self.card(Some(range))? };
         Ok(TrainedValues {
-            model: Model::of_values(&card, &network.to_network())?,
+            model: Model::of_values(&card, network.to_network())?,
             validation,
             profile: self.profile,
         })

@@ -47,7 +47,7 @@ struct Row {
 /// Who says what choices are worth, by their kind.
 #[derive(Clone, Debug)]
 enum Judge {
-    Commands(commands::Judge),
+    Commands(Box<commands::Judge>),
     Axes(Box<axes::Judge>),
 }
 
@@ -56,7 +56,7 @@ impl Wanting {
         let (inputs, judge) = match pupil {
             Pupil::Commands(network) => {
                 let shape = network.shape();
-                (shape.input(), Some(Judge::Commands(commands::Judge::new(shape, batch))))
+                (shape.input(), Some(Judge::Commands(Box::new(commands::Judge::new(shape, batch)))))
             }
             Pupil::Axes(critic) => {
                 let judge = axes::Judge::new(choices, critic.shape(), batch);

@@ -68,6 +68,12 @@ pub fn measure(runs: usize) -> Timings {
     Timings { kernel: kernel_name(), gflops, timings }
 }
 
+/// Times something that belongs to a control loop: no floor.
+#[must_use]
+pub fn decision(name: &'static str, runs: usize, mut step: impl FnMut()) -> Timing {
+    time(name, runs, None, &mut step)
+}
+
 /// Median and best of `runs` batches: of 0.3 ms, long for the clock and short for whatever else the machine does.
 fn time(name: &'static str, runs: usize, floor_us: Option<f64>, step: &mut dyn FnMut()) -> Timing {
     let mut batch = |n: usize| {

@@ -161,6 +161,14 @@ impl Disk {
         self.server_with(None, Assets::of(&[])).await
     }
 
+    /// A server with models of its own.
+    pub async fn server_of(&self, models: Models) -> Server {
+        let store: Arc<dyn Store> = self.store.clone();
+        let (hosts, assets) = (Hosts::loopback(), Assets::of(&[]));
+        let parts = Parts { store, plants: plants(), models, lessons: None, hosts, assets, study: None };
+        Server::start(parts).await.unwrap()
+    }
+
     pub async fn server_with(&self, lessons: Option<Lessons>, assets: Assets) -> Server {
         let store: Arc<dyn Store> = self.store.clone();
         let hosts = Hosts::loopback();

@@ -100,14 +100,6 @@ impl Tape {
     pub fn new(about: Described, first: Seen) -> Result<Self, TapeError> {
         sound::description(&about)?;
         sound::seen(&about, &first)?;
-        if !first.goals.iter().any(|goal| goal.id == about.pilot_goal) {
-            let ids: Vec<u32> = first.goals.iter().map(|goal| goal.id).collect();
-            return Err(sound::wrong(
-                "pilot_goal",
-                format!("the id of a goal, one of {ids:?}"),
-                about.pilot_goal,
-            ));
-        }
         let size = bytes::size_of(&first);
         Ok(Self { about, seen: vec![first], size, lost: None })
     }

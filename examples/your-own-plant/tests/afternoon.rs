@@ -96,15 +96,22 @@ fn arrivals(rule: Rule) -> f64 {
 }
 
 #[test]
+fn the_lift_keeps_the_laws_of_plants() {
+    cohelm::laws::check(&mut your_own_plant::Lift::default(), 0..20).unwrap();
+}
+
+#[test]
 fn training_reaches_the_floor_in_nine_of_ten_fresh_episodes() {
     let (plants, task) = (plants(), Task::new("lift"));
     let fresh = evaluate(&job(&plants, &task), trained(), 7, 200).expect("the model fits");
+    println!("fresh episodes with the goal known: {:.1} % at the floor", 100.0 * fresh.landed);
     assert!(fresh.landed >= 0.9, "{fresh:?}");
 }
 
 #[test]
 fn with_the_co_pilot_somebody_in_a_hurry_does_better_than_alone() {
     let (alone, helped) = (arrivals(Rule::Hic), arrivals(Rule::Misc));
+    println!("in a hurry: {:.1} % alone, {:.1} % with the co-pilot", 100.0 * alone, 100.0 * helped);
     assert!(helped >= alone + 0.3, "alone {alone}, helped {helped}");
 }
 

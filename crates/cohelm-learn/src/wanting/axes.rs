@@ -128,4 +128,4 @@ fn best(values: &[f32]) -> usize {
 }
 
 // No value is left out.
-const _: () = assert!(SAMPLES % ABREAST == 0);
+const _: () = assert!(SAMPLES.is_multiple_of(ABREAST));

@@ -6,29 +6,37 @@ use cohelm::registry::Task;
 use cohelm_copilot::encode::{INTENT_VERSION, IntentEncoder, VALUES_VERSION, ValueEncoder};
 use cohelm_copilot::model::IntentNetworks;
 use cohelm_copilot::outputs::Outputs;
-use cohelm_copilot::{Card, Kind, Model, TrainedWith};
+use cohelm_copilot::search::Search;
+use cohelm_copilot::{Card, Kind, Model, TrainedWith, ValueNetwork};
+use cohelm_nn::critic::Critic;
 use cohelm_nn::goal_head;
 use cohelm_nn::lstm::{Lstm, LstmShape};
 use cohelm_nn::mlp::{Head, Mlp, MlpShape};
 use std::error::Error;
 
-/// A value model and an intent model for a task, or none if its plant has no list of commands. The sizes are those of
-/// shipped models.
+/// A value model and an intent model for a task, or none if its plant has no actions. The sizes are those of shipped models.
 pub fn random_models(
     task: &Task,
     version: u32,
     plant: &dyn Plant,
 ) -> Result<Option<[Model; 2]>, Box<dyn Error>> {
-    let Some(outputs) = Outputs::of(plant.space()) else { return Ok(None) };
     let view = plant.view();
     let (state, goals) = (view.state.len(), view.goals.len());
     let mut draws = Draws::new(17);
     let mut uniform = || draws.unit() as f32;
 
     let inputs = ValueEncoder::new(state, 0).len();
-    let values = Mlp::new(&MlpShape::new(inputs, &[128, 128], Head::Dueling(outputs.len()))?, &mut uniform);
+    let values: ValueNetwork =
+        match (Outputs::of(plant.space()), Search::shape(plant.space(), inputs, &[64, 64])) {
+            (Some(outputs), _) => {
+                let shape = MlpShape::new(inputs, &[128, 128], Head::Dueling(outputs.len()))?;
+                (&Mlp::new(&shape, &mut uniform)).into()
+            }
+            (None, Some(shape)) => (&Critic::new(&shape, &mut uniform)).into(),
+            (None, None) => return Ok(None),
+        };
 
-    let encoder = IntentEncoder::new(plant.space(), state, goals).ok_or("a space without actions")?;
+    let Some(encoder) = IntentEncoder::new(plant.space(), state, goals) else { return Ok(None) };
     let mut lstm = |inputs, outputs| -> Result<Lstm, Box<dyn Error>> {
         Ok(Lstm::new(LstmShape::new(inputs, 64, outputs)?, &mut uniform))
     };

@@ -1,6 +1,7 @@
 //! The setup and the cockpit of an episode elsewhere.
 
 use super::words::Wish;
+use cohelm::arbitration::Rule;
 use cohelm::cockpit::{Cockpit, Silence};
 use cohelm::intent::{Head, Inference};
 use cohelm::plant::Plant;
@@ -12,7 +13,7 @@ use cohelm_external::External;
 
 /// The setup that a wish means for a plant, with the newest models that fit it by their cards, and its cockpit.
 ///
-/// When nothing is asked nothing is carried out, whatever the rule: a machine moves only while somebody holds on.
+/// Without values that fit the person flies alone, whatever was wished: no rule knows better then. When nothing is asked nothing is carried out, whatever the rule: a machine moves only while somebody holds on.
 pub fn crew(wish: Wish, plant: &External, models: &Models) -> Result<(Setup, Cockpit), String> {
     let mut setup = Setup {
         task: tape::task(plant.name()),
@@ -27,6 +28,9 @@ pub fn crew(wish: Wish, plant: &External, models: &Models) -> Result<(Setup, Coc
         pilot: "person".into(),
     };
     setup.values = newest(Kind::Values, &setup, plant, models);
+    if setup.values.is_none() {
+        setup.rule = Rule::Hic;
+    }
     setup.intent = newest(Kind::Intent, &setup, plant, models);
     if setup.intent.is_some() {
         setup.inference = Head::Calibrated.into();

@@ -119,10 +119,10 @@ impl Drive {
         hand.presence.here();
         let why = loop {
             beat.wait();
-            changes.try_iter().for_each(|(change, at_ms)| hand.pass_on(&mut flight, change, at_ms));
             if let Some(why) = hand.watch(&mut flight, begun) {
                 break why;
             }
+            changes.try_iter().for_each(|(change, at_ms)| hand.pass_on(&mut flight, change, at_ms));
             if flight.ticks() as usize >= MAX_TICKS {
                 break Some(format!("a record holds {MAX_TICKS} ticks"));
             }
@@ -155,7 +155,8 @@ struct Hand {
 }
 
 impl Hand {
-    /// What is done while nobody is there counts for nothing: it was done before.
+    /// What is still on its way when the flight is over counts for nothing. Whoever comes back counts from then on; what
+    /// was held before must be pressed anew.
     fn pass_on(&mut self, flight: &mut Flight, change: Change, at_ms: f32) {
         if self.let_go_at.is_none() {
             flight.change(change, at_ms);

@@ -28,6 +28,11 @@ const OF_A_PAGE: Rate = Rate { per_s: 150.0, burst: 300.0 };
 /// How long a page may take to accept a message: one that shows what was two seconds ago cannot be steered by.
 const SEND_WITHIN: Duration = Duration::from_secs(2);
 
+/// How long a plant that is ready waits for its start: others may want it.
+const READY_FOR: Duration = Duration::from_secs(120);
+/// How long a page that wants nothing is kept: one whose machine is off says nothing either.
+const IDLE_FOR: Duration = Duration::from_secs(30 * 60);
+
 /// The page is gone, or must go.
 struct Gone;
 
@@ -53,9 +58,18 @@ pub async fn converse(server: &Server, plant: Elsewhere, socket: WebSocket) {
 async fn talk(server: &Server, plant: &Elsewhere, page: &mut Page) -> Result<std::convert::Infallible, Gone> {
     let mut prepared: Option<Prepared> = None;
     loop {
+        let patience = if prepared.is_some() { READY_FOR } else { IDLE_FOR };
         let heard = tokio::select! {
             () = server.closing().cancelled() => return Err(Gone),
-            heard = page.hear() => heard?,
+            heard = timeout(patience, page.hear()) => match heard {
+                Ok(heard) => heard?,
+                Err(_) if prepared.take().is_some() => {
+                    let reason = "nobody started for two minutes, so the plant was let go of".into();
+                    page.say(&ToPage::Refused { reason }).await?;
+                    continue;
+                }
+                Err(_) => return Err(Gone),
+            },
         };
         match (heard, prepared.take()) {
             (FromPage::Begin(wish), before) => {

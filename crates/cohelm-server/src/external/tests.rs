@@ -1,13 +1,18 @@
 //! The example in Python, flown from a page that these tests are, through a real socket.
 
 use super::*;
+use crate::hangar::Hangar;
 use crate::serve::{bind, serve};
 use crate::store::{Page as ListPage, Progress, Store, unpack};
-use crate::testing::Disk;
+use crate::testing::{Disk, buttons};
 use crate::verify::verify_episodes;
 use cohelm::keys::Change;
 use cohelm::plant::Ending;
+use cohelm::registry::Plants;
+use cohelm::tape;
 use cohelm::trajectory::Trajectory;
+use cohelm_copilot::Models;
+use cohelm_external::other_end::answer;
 use futures_util::{SinkExt, StreamExt};
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
@@ -48,11 +53,17 @@ impl Drop for Python {
 async fn flying(python: &Python) -> (Disk, SocketAddr) {
     let disk = Disk::new().await;
     let server = disk.server().await;
-    let server = server.with_plant_elsewhere(Elsewhere::new(python.address.clone(), TimeOut::default()));
+    let plant = Elsewhere::new(python.address.clone(), TimeOut::default());
+    let address = run(server.with_plant_elsewhere(plant)).await;
+    (disk, address)
+}
+
+/// Where a server listens from now on.
+async fn run(server: Server) -> SocketAddr {
     let listener = bind("127.0.0.1:0".parse().unwrap()).await.unwrap();
     let address = listener.local_addr().unwrap();
     tokio::spawn(serve(listener, server, std::future::pending()));
-    (disk, address)
+    address
 }
 
 struct Page {
@@ -79,7 +90,9 @@ impl Page {
     }
 
     async fn begin(&mut self, seed: u64, rule: &str) -> Value {
-        self.say(json!({ "begin": { "seed": seed, "rule": { "rule": rule } } })).await;
+        let rule =
+            if rule == "misc-r" { json!({ "rule": rule, "kappa": 0.7 }) } else { json!({ "rule": rule }) };
+        self.say(json!({ "begin": { "seed": seed, "rule": rule } })).await;
         self.hear().await
     }
 
@@ -141,9 +154,10 @@ async fn a_flight_from_the_page_to_the_goal_is_stored_and_verified_from_its_stat
     let python = Python::start();
     let (disk, address) = flying(&python).await;
     let mut page = Page::open(address).await;
-    for (seed, rule) in [(1, "hic"), (2, "misc")] {
+    for (seed, rule) in [(1, "hic"), (2, "misc-r")] {
         let ready = page.begin(seed, rule).await;
         assert_eq!((&ready["ready"]["name"], &ready["ready"]["has_values"]), (&json!("cart"), &json!(false)));
+        assert_eq!(ready["ready"]["opening"]["setup"]["rule"]["rule"], "hic", "alone without values");
         let ended = page.fly(&ready, |_| ()).await;
         assert_eq!((&ended["ending"], &ended["why"]), (&json!("goal"), &Value::Null), "{ended}");
         assert!(ended["episode"].is_i64() && ended["corrected"] == 0, "{ended}");
@@ -224,6 +238,44 @@ async fn one_page_flies_at_a_time_and_nonsense_ends_the_connection() {
     assert!(matches!(first.socket.next().await, Some(Ok(Message::Close(_)) | Err(_)) | None));
     tokio::time::sleep(Duration::from_millis(200)).await;
     assert!(second.begin(1, "hic").await.get("ready").is_some());
+}
+
+/// The buttons elsewhere, and a server that has a model whose card is for a plant of that name.
+#[tokio::test(flavor = "multi_thread")]
+async fn values_assist_a_plant_elsewhere_whose_name_and_shape_their_card_has() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let elsewhere = listener.local_addr().unwrap().to_string().parse().unwrap();
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut plant = (buttons::entry().make)(&json!({})).unwrap();
+            let _ = answer(plant.as_mut(), "buttons", stream.unwrap());
+        }
+    });
+    let (fits, other) = (tape::task("buttons"), tape::task("cart"));
+    let model = buttons::model_for(1, fits, tape::VERSION);
+    let mut models = Models::new();
+    models.add_model(model.clone());
+    models.add_model(buttons::model_for(2, other, tape::VERSION));
+    let disk = Disk::new().await;
+    let server = disk.server_of(models.clone()).await;
+    let address = run(server.with_plant_elsewhere(Elsewhere::new(elsewhere, TimeOut::default()))).await;
+    let mut page = Page::open(address).await;
+    let ready = page.begin(3, "misc-r").await;
+    assert_eq!(ready["ready"]["has_values"], true, "{ready}");
+    assert_eq!(ready["ready"]["opening"]["setup"]["values"], model.hash());
+    page.say(json!("start")).await;
+    page.say(json!({ "change": { "change": { "down": 0 }, "at_ms": 1.0 } })).await;
+    for _ in 0..30 {
+        let report = page.hear().await["tick"]["report"].clone();
+        assert_eq!(report["candidates"].as_array().unwrap().len(), 5);
+        page.say(json!("here")).await;
+    }
+    page.say(json!("stop")).await;
+    let flown = record(&disk).await;
+    assert!(flown.executed.iter().zip(&flown.asked).any(|(done, asked)| done != asked), "it was corrected");
+    let hangar = Hangar::new(Plants::default(), models, disk.store.clone());
+    let report = verify_episodes(&hangar).await.unwrap();
+    assert_eq!((report.as_recorded, report.holds()), (1, true), "{report}");
 }
 
 #[tokio::test]

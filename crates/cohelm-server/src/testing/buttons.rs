@@ -74,13 +74,18 @@ pub fn entry() -> PlantEntry {
 
 /// A value network for the buttons; other numbers give other weights.
 pub fn model(number: u32) -> Model {
+    model_for(number, Task::new("buttons"), entry().version)
+}
+
+/// The same for buttons that go by another name.
+pub fn model_for(number: u32, task: Task, plant_version: u32) -> Model {
     let plant = Buttons::new();
     // As JSON, which leaves out what a card need not say.
     let card: Card = serde_json::from_value(json!({
         "name": format!("buttons-{number}"),
         "kind": "values",
-        "task": Task::new("buttons"),
-        "plant_version": entry().version,
+        "task": task,
+        "plant_version": plant_version,
         "space": plant.space,
         "state": plant.view().state.len(),
         "goals": 2,

@@ -54,6 +54,10 @@ pub(super) fn seen(about: &Described, seen: &Seen) -> Sound {
             return Err(wrong("the ids of goals", "different", format!("{} twice", goal.id)));
         }
     }
+    if !seen.goals.iter().any(|goal| goal.id == about.pilot_goal) {
+        let ids: Vec<u32> = seen.goals.iter().map(|goal| goal.id).collect();
+        return Err(wrong("pilot_goal", format!("the id of a goal, one of {ids:?}"), about.pilot_goal));
+    }
     let movable = about.scene.movable.len();
     count("poses", "poses, one a movable part", seen.poses.len(), movable..=movable)?;
     for pose in &seen.poses {
