@@ -38,14 +38,7 @@ export interface Rule {
 }
 
 export type Inference =
-  | 'nearest'
-  | 'known'
-  | 'inverse-distance'
-  | 'softmax'
-  | 'calibrated'
-  | 'bayesian'
-  | 'calibrated-bayesian'
-  | 'imagined';
+  'nearest' | 'known' | 'inverse-distance' | 'softmax' | 'calibrated' | 'bayesian' | 'calibrated-bayesian' | 'imagined';
 
 /** Those that need a network for intent. */
 export function needsNetwork(inference: Inference): boolean {
