@@ -1,7 +1,8 @@
 //! Models: ours, read from files; and values from somewhere else.
 
+use crate::action::Actions;
 use crate::errors::Kind;
-use crate::world::plants;
+use crate::world::{World, fits, plants};
 use cohelm::action::Action;
 use cohelm::plant::View;
 use cohelm::registry::Task;
@@ -161,6 +162,38 @@ impl ValueModel {
         Ok(model.bytes())
     }
 
+    /// What actions are worth in a world as it is now: indices of commands (int64, actions) or rows of axes (float32,
+    /// actions × axes); for a goal, the pilot's own unless given.
+    #[pyo3(signature = (world, actions, *, goal=None))]
+    fn assess<'py>(
+        &self,
+        py: Python<'py>,
+        world: &mut World,
+        actions: &Bound<'py, PyAny>,
+        goal: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let plant = world.plant();
+        if let Some(model) = self.trained() {
+            fits(model, plant)?;
+        }
+        let (view, goal) = (plant.view(), goal.unwrap_or(plant.pilot_goal()));
+        if goal >= view.goals.len() {
+            let message =
+                format!("expected a goal from 0 to {}, got {goal}", view.goals.len().saturating_sub(1));
+            return Err(Kind::Option.error(message));
+        }
+        let mut read = vec![None; actions.len()?];
+        Actions { space: plant.space(), worlds: read.len() }.read(actions, &mut read)?;
+        let asked: Vec<Action> = read.iter().copied().flatten().collect();
+        if asked.len() != read.len() {
+            return Err(Kind::Action.error("nothing has no value: only what can be carried out"));
+        }
+        let (mut values, mut worth) =
+            (self.values(view.state.len(), plant.space().commands())?.0, Vec::new());
+        values.assess(&view, goal, &asked, None, &mut worth);
+        Ok(PyArray1::from_vec(py, worth))
+    }
+
     /// The network's outputs for rows of inputs (float32, rows × inputs): what PyTorch gives with the same weights.
     fn forward<'py>(
         &self,
@@ -176,7 +209,7 @@ impl ValueModel {
                     Network::Values(ValueNetwork::Commands(network)) => network,
                     Network::Values(ValueNetwork::Axes(_)) => {
                         let message = "values of actions on axes come from a critic, which has no outputs of its own; \
-                                       ask for the values of actions instead";
+                                       ask for those of actions: assess(world, actions)";
                         return Err(Kind::Model.error(message));
                     }
                     Network::Intent(_) => return Err(wrong_kind(model, ModelKind::Values)),

@@ -74,11 +74,26 @@ impl Painter {
         for part in &scene.fixed {
             self.part(part, Transform::identity(), 1.0);
         }
+        self.go_on_sideways(scene);
         for (part, pose) in scene.movable.iter().zip(poses).filter(|(_, pose)| pose.strength > 0.0) {
             let turned = Transform::from_rotate(pose.angle_rad.to_degrees());
             self.part(part, turned.post_translate(pose.x, pose.y), pose.strength);
         }
         self.canvas
+    }
+
+    /// Where the picture is wider than the world, the ground goes on as it was at the border.
+    fn go_on_sideways(&mut self, scene: &Scene) {
+        let [left, _, right, _] = scene.bounds;
+        let pixel = |x: f32| self.to_pixels.sx * x + self.to_pixels.tx;
+        let width = self.canvas.width() as usize;
+        let first = (pixel(left).ceil().max(0.0) as usize).min(width - 1);
+        let last = (pixel(right).floor() as usize).clamp(first + 1, width) - 1;
+        for row in self.canvas.pixels_mut().chunks_exact_mut(width) {
+            let (at_left, at_right) = (row[first], row[last]);
+            row[..first].fill(at_left);
+            row[last + 1..].fill(at_right);
+        }
     }
 
     fn sky(&mut self) {

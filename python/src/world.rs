@@ -468,7 +468,8 @@ impl Help {
     }
 }
 
-fn fits(model: &cohelm_copilot::Model, plant: &dyn Plant) -> PyResult<()> {
+/// Refuses a model that was trained for other actions or another state.
+pub fn fits(model: &cohelm_copilot::Model, plant: &dyn Plant) -> PyResult<()> {
     let card = model.card();
     if card.space == *plant.space() && card.state == plant.view().state.len() {
         return Ok(());
@@ -487,6 +488,12 @@ fn describe(
     record.set_item("confidence", tick.belief.confidence)?;
     record.set_item("probabilities", PyArray1::from_slice(py, tick.belief.probabilities()))?;
     record.set_item("values", PyArray1::from_slice(py, tick.values.values()))?;
+    if let ActionSpace::Axes { low, .. } = space {
+        let row = |action: &Action| (0..low.len()).map(|axis| action.axis(axis)).collect();
+        let rows: Vec<Vec<f32>> = tick.values.candidates().iter().map(row).collect();
+        let rows = PyArray2::from_vec2(py, &rows).map_err(|error| Kind::Array.error(error))?;
+        record.set_item("candidates", rows)?;
+    }
     record.set_item("allowed", PyArray1::from_slice(py, tick.allowed))?;
     record.set_item("executed", to_python(py, space, tick.executed)?)?;
     record.set_item("intervened", tick.intervention.map(|intervention| intervention.effective))?;

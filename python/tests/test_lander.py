@@ -61,3 +61,12 @@ def test_a_snapshot_goes_on_with_the_same_bits():
     lander.restore(kept)
     assert again + [lander.step(2)[0].tobytes()] == [ahead[0]] * 2
     assert [lander.step(2)[0].tobytes() for _ in range(19)] == ahead[1:]
+
+
+def test_the_picture_is_filled_to_its_borders():
+    env = gymnasium.make("cohelm/LunarLander-v3", render_mode="rgb_array").unwrapped
+    env.reset(seed=3)
+    picture = env.render()
+    assert picture.shape == (400, 600, 3)
+    lowest = picture[-1]
+    assert (lowest == lowest[300]).all(), "the ground goes on to both sides"

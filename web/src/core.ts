@@ -38,14 +38,7 @@ export interface Rule {
 }
 
 export type Inference =
-  | 'nearest'
-  | 'known'
-  | 'inverse-distance'
-  | 'softmax'
-  | 'calibrated'
-  | 'bayesian'
-  | 'calibrated-bayesian'
-  | 'imagined';
+  'nearest' | 'known' | 'inverse-distance' | 'softmax' | 'calibrated' | 'bayesian' | 'calibrated-bayesian' | 'imagined';
 
 /** Those that need a network for intent. */
 export function needsNetwork(inference: Inference): boolean {
@@ -143,10 +136,27 @@ export interface Wish {
   pilot: Hands;
 }
 
+/** A set of actions that a plant can be flown with. */
+export interface ActionSet {
+  name: string;
+  label: string;
+  /** The plant's options that choose it. */
+  options: Record<string, unknown>;
+}
+
+/** A plant that the loop knows. */
+export interface PlantEntry {
+  name: string;
+  version: number;
+  summary: string;
+  /** The sets of actions to choose from, the usual one first; empty if there is only one. */
+  actions: ActionSet[];
+}
+
 export interface About {
   source_hash: string;
   version: string;
-  plants: { name: string; version: number; summary: string }[];
+  plants: PlantEntry[];
 }
 
 /** A model that the loop took in. */

@@ -218,6 +218,10 @@ class ValueModel:
         """The card as JSON; None for one from elsewhere."""
     def to_bytes(self) -> bytes:
         """The bytes of the model's file (safetensors)."""
+    def assess(
+        self, world: World, actions: NDArray[np.int64] | NDArray[np.float32], *, goal: int | None = None
+    ) -> NDArray[np.float32]:
+        """What actions are worth in a world as it is now, shape (actions,): commands (actions,) or axes (actions, axes)."""
     def forward(self, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
         """The network's outputs for rows of inputs, shape (rows, outputs)."""
 

@@ -32,6 +32,8 @@ episodes = 40
 @pytest.fixture
 def cluster(monkeypatch):
     monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
+    # Beside other programs workers at Ray's usual niceness would hardly run.
+    monkeypatch.setenv("RAY_worker_niceness", "0")
     from ray.cluster_utils import Cluster
 
     node = {"num_cpus": 1, "object_store_memory": STORE_BYTES}
@@ -84,7 +86,7 @@ def stop_in_mid_job(node, patience_s=60.0):
     pytest.fail(f"no job was seen on the node to be killed within {patience_s} s: {workers(node)}")
 
 
-def test_a_killed_node_costs_only_its_running_jobs(cluster, description, tmp_path):
+def test_a_killed_node_costs_only_its_running_jobs(cluster, description, tmp_path, measured):
     nodes, second = cluster
     jobs, _ = _native.sweep_plan(description, tmp_path / "ray")
     lost = second.node_id[:8]
@@ -106,7 +108,8 @@ def test_a_killed_node_costs_only_its_running_jobs(cluster, description, tmp_pat
 
     ran = where(tmp_path / "ray")
     again = {name for name, row in ran.items() if row["attempt"] > 1}
-    print("\n".join(f"{jobs_} jobs on {node}" for node, jobs_ in sorted(by_node.items())), f"\n{len(again)} ran again")
+    nodes_ = {("killed" if node.endswith(lost) else "survived"): jobs_ for node, jobs_ in by_node.items()}
+    measured["killed_node"] = {"jobs": jobs, "finished_on": nodes_, "ran_again": len(again)}
     # What was running on the lost node, one at least, and what waited there: never what had finished there.
     assert 1 <= len(again) <= 2 * (1 + 2) and again.isdisjoint(ran_there)
     assert all(not ran[name]["node"].endswith(lost) for name in again)

@@ -24,11 +24,12 @@ def test_stable_baselines_check_passes(name):
         check_env(gymnasium.make(name, render_mode="rgb_array").unwrapped)
 
 
-def test_our_weights_give_the_same_numbers_in_pytorch():
+def test_our_weights_give_the_same_numbers_in_pytorch(measured):
     differences = runpy.run_path(str(EXAMPLES / "pytorch_weights.py"))["compare"]()
     assert len(differences) == 2 * len([name for name in cohelm.shipped() if name.endswith("intent")]) + len(
         [name for name in cohelm.shipped() if name.endswith("values")]
     )
+    measured["pytorch"] = {"version": torch.__version__, "largest_difference": max(differences.values())}
     assert max(differences.values()) < 1e-5, differences
 
 
@@ -44,11 +45,19 @@ def test_misc_flies_with_the_values_of_a_dqn_of_stable_baselines():
     assert sum(shares.values()) == pytest.approx(1.0)
 
 
-def test_somebody_else_s_critic_lands_a_pilot_who_crashes_alone():
+def test_somebody_else_s_critic_lands_a_pilot_who_crashes_alone(measured):
     """The whole example, two to three minutes of processor time."""
     example = runpy.run_path(str(EXAMPLES / "sb3_critic.py"))
     critic = example["critic_of"](example["train"](80_000))
     alone = example["fly"](critic, "hic", 30)
     inferred = example["fly"](critic, "misc", 30, inference="softmax")
     known = example["fly"](critic, "misc", 30, inference="known")
+    measured["dqn_of_stable_baselines"] = {
+        "version": sb3.__version__,
+        "trained_steps": 80_000,
+        "episodes": 30,
+        "hic": alone,
+        "misc, softmax": inferred,
+        "misc, known": known,
+    }
     assert alone.get("goal", 0.0) <= 0.1 and inferred["goal"] >= 0.5 and known["goal"] >= 0.9, (alone, inferred, known)

@@ -84,7 +84,8 @@ export class WhatIfBar {
     const rules = [setup.rule, ...RULES.filter((rule) => JSON.stringify(rule) !== own)];
     this.rule = rules.find(({ rule }) => rule !== setup.rule.rule && ['lasc', 'misc'].includes(rule)) ?? rules[1]!;
     const inferences = INFERENCES.filter(
-      ([inference]) => inference === setup.inference || !needsNetwork(inference) || networkFor(models, inference) !== null,
+      ([inference]) =>
+        inference === setup.inference || !needsNetwork(inference) || networkFor(models, inference) !== null,
     );
     this.who.addEventListener('change', () => this.choose({}));
     this.node.append(

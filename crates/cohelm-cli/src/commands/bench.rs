@@ -7,7 +7,7 @@ use crate::numbers::whole;
 use crate::output::{Format, table};
 use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
-use cohelm_lander::bench::random_flights;
+use cohelm_lander::bench::{RandomFlights, random_flights, random_flights_together};
 use cohelm_nn::bench::{Timings, measure};
 use serde_json::json;
 use std::io::Write;
@@ -15,10 +15,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
+/// Worlds that `bench lander` steps at once.
+const WORLDS: usize = 64;
+
 /// What to measure.
 #[derive(Subcommand)]
 pub enum Bench {
-    /// Steps a second of the lander on one core: random actions, resets included; Gymnasium's beside it.
+    /// Steps a second of the lander on one core, one world and 64 at once: random actions, resets included; Gymnasium's beside it.
     Lander(Lander),
     /// A training step of each network beside the machine's floor, and a decision of the control loop.
     Nets(Nets),
@@ -68,24 +71,28 @@ impl Lander {
         if self.runs == 0 || self.steps == 0 {
             bail!("at least one run of one step is needed");
         }
-        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        let (mut ours, mut together, mut theirs) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..self.runs {
-            ours.push(our_rate(self.steps));
+            ours.push(rate(self.steps, random_flights));
+            together.push(rate(self.steps, |steps, seed| random_flights_together(WORLDS, steps, seed)));
             if let Some(python) = &self.gymnasium {
                 theirs.push(gymnasium_rate(python, self.steps)?);
             }
         }
-        let (ours_median, theirs_median) =
-            (median(&mut ours), (!theirs.is_empty()).then(|| median(&mut theirs)));
-        let ratio = theirs_median.map(|theirs| ours_median / theirs);
+        let theirs = (!theirs.is_empty()).then(|| median(&mut theirs));
+        let times = |rate: f64| theirs.map(|theirs| rate / theirs);
+        let (ours, together) = (median(&mut ours), median(&mut together));
         let report = json!({
-            "steps": self.steps, "runs": self.runs, "cohelm_steps_per_s": ours_median,
-            "gymnasium_steps_per_s": theirs_median, "ratio": ratio,
+            "steps": self.steps, "runs": self.runs, "cohelm_steps_per_s": ours,
+            "cohelm_together_steps_per_s": together, "gymnasium_steps_per_s": theirs, "ratio": times(ours),
+            "together_ratio": times(together),
         });
         self.format.print(&report, |_| {
-            let row = |name: &str, rate: f64, times: String| vec![name.into(), format!("{rate:.0}"), times];
-            let mut rows = vec![row("cohelm", ours_median, ratio.map_or("–".into(), |ratio| format!("{ratio:.2}")))];
-            rows.extend(theirs_median.map(|rate| row("gymnasium 1.4.0", rate, "1".into())));
+            let row = |name: &str, rate: f64| {
+                vec![name.into(), format!("{rate:.0}"), times(rate).map_or("–".into(), |times| format!("{times:.2}"))]
+            };
+            let mut rows = vec![row("cohelm", ours), row(&format!("cohelm, {WORLDS} worlds at once"), together)];
+            rows.extend(theirs.map(|theirs| row("gymnasium 1.4.0", theirs)));
             let heading = format!(
                 "LunarLander-v3, one core, random actions, resets included; median of {} interleaved runs of {} steps",
                 self.runs, self.steps
@@ -96,10 +103,10 @@ impl Lander {
     }
 }
 
-/// Steps a second of our lander with random actions, resets included.
-fn our_rate(steps: u32) -> f64 {
+/// Steps a second of our lander, given how to fly so many with a seed.
+fn rate(steps: u32, fly: impl Fn(u32, u64) -> RandomFlights) -> f64 {
     let begun = Instant::now();
-    std::hint::black_box(random_flights(steps, 0));
+    std::hint::black_box(fly(steps, 0));
     f64::from(steps) / begun.elapsed().as_secs_f64()
 }
 
