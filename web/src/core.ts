@@ -32,9 +32,29 @@ export interface Scene {
 }
 
 export interface Rule {
-  rule: 'hic' | 'robot' | 'lasc' | 'misc' | 'tolerance' | 'misc-r';
+  rule:
+    | 'hic'
+    | 'robot'
+    | 'lasc'
+    | 'line-graph'
+    | 'threshold'
+    | 'hindsight'
+    | 'misc'
+    | 'tolerance'
+    | 'misc-r'
+    | 'misc-h'
+    | 'ida'
+    | 'safe-nearest';
   alpha?: number;
   kappa?: number;
+  release?: number;
+  start?: number;
+  full?: number;
+  most?: number;
+  confidence?: number;
+  likeness?: number;
+  hold?: number;
+  horizon?: number;
 }
 
 export type Inference =
