@@ -3,11 +3,13 @@
 
 use crate::errors::Kind;
 use cohelm::action::Action;
-use cohelm::arbitration::{Arbiter, Likeness, Pick, Rule as CoreRule, Stage};
-use cohelm::intent::Belief;
+use cohelm::arbitration::{Arbiter, GoalValues, Likeness, Pick, Rule as CoreRule, RuleError, Stage};
+use cohelm::intent::{Belief, MAX_GOALS};
 use cohelm::value::ActionValues;
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::ndarray::{ArrayView2, ArrayView3, Axis};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 
 /// Most candidate actions of one decision.
 const MOST_CANDIDATES: usize = 1 << 16;
@@ -36,9 +38,12 @@ impl Rule {
 #[pymethods]
 impl Rule {
     #[new]
-    #[pyo3(signature = (name, *, alpha=None, kappa=None, median_range=None))]
-    fn new(name: &str, alpha: Option<f64>, kappa: Option<f64>, median_range: Option<f64>) -> PyResult<Self> {
-        Self::of(named(name, alpha, kappa)?, median_range)
+    #[pyo3(signature = (name, parameters, *, median_range=None))]
+    fn new(name: &str, parameters: BTreeMap<String, f64>, median_range: Option<f64>) -> PyResult<Self> {
+        let usual = CoreRule::named(name);
+        let rule = parameters.iter().try_fold(usual, |rule, (name, &value)| Ok(rule?.with(name, value)));
+        let rule = rule.and_then(|rule| rule).map_err(|error: RuleError| Kind::Option.error(error))?;
+        Self::of(rule, median_range)
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, Option<f64>))> {
@@ -61,17 +66,16 @@ impl Rule {
     }
 
     fn __repr__(&self) -> String {
-        match self.rule {
-            CoreRule::Tolerance { alpha } => format!("Rule('tolerance', alpha={alpha})"),
-            CoreRule::MiscR { kappa } => format!("Rule('misc-r', kappa={kappa})"),
-            rule => format!("Rule('{}')", rule.word()),
-        }
+        let parameters = self.rule.parameters().into_iter().map(|(name, value)| format!(", {name}={value}"));
+        format!("Rule('{}'{})", self.rule.word(), parameters.collect::<String>())
     }
 
     /// The index that each row of values is decided for; −1 where nothing is carried out.
     ///
     /// `values`: rows × actions; `confidence`: a number a row; `asked`: an index a row, −1 for nothing; `similarity`:
-    /// actions × actions, f(a, asked).
+    /// actions × actions, f(a, asked); `goals`: values, rows × goals × actions, and probabilities, rows × goals, for the
+    /// rules that need them.
+    #[pyo3(signature = (values, confidence, asked, similarity, goals=None))]
     fn decide_rows<'py>(
         &self,
         py: Python<'py>,
@@ -79,6 +83,7 @@ impl Rule {
         confidence: PyReadonlyArray1<'py, f32>,
         asked: PyReadonlyArray1<'py, i64>,
         similarity: PyReadonlyArray2<'py, f32>,
+        goals: Option<OfGoals<'py>>,
     ) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let (values, confidence, asked) = (values.as_array(), confidence.as_array(), asked.as_array());
         let (rows, actions) = values.dim();
@@ -89,6 +94,7 @@ impl Rule {
                 format!("expected similarities of shape ({actions}, {actions}), got {:?}", similarity.dim());
             return Err(Kind::Array.error(message));
         }
+        let goals = self.of_goals(&goals, rows, actions)?;
         let candidates = (0..actions).map(|index| Action::axes(&[index as f32])).collect();
         let mut desk = Desk::new(candidates)?;
         let mut decided = Vec::with_capacity(rows);
@@ -96,6 +102,7 @@ impl Rule {
             let asked = index_of(asked[row], actions)?;
             let likeness =
                 asked.map(|asked| move |index: usize| (similarity[[index, asked]], index == asked));
+            desk.of_goals(&goals, row)?;
             let pick =
                 desk.decide(self.arbiter.as_ref(), &values.row(row).to_vec(), confidence[row], likeness)?;
             decided.push(match pick {
@@ -111,7 +118,7 @@ impl Rule {
 
     /// The action that is carried out, of sampled candidates: `candidates` × dimensions with a value each; `asked` a
     /// vector, or None for nothing. Similarity is minus the Euclidean distance.
-    #[pyo3(signature = (values, candidates, confidence, asked=None))]
+    #[pyo3(signature = (values, candidates, confidence, asked=None, goals=None))]
     fn decide_among<'py>(
         &self,
         py: Python<'py>,
@@ -119,6 +126,7 @@ impl Rule {
         candidates: PyReadonlyArray2<'py, f32>,
         confidence: f32,
         asked: Option<PyReadonlyArray1<'py, f32>>,
+        goals: Option<OfGoals<'py>>,
     ) -> PyResult<Option<Bound<'py, PyArray1<f32>>>> {
         let (values, candidates) = (values.as_array().to_vec(), candidates.as_array());
         let (count, dimensions) = candidates.dim();
@@ -132,6 +140,8 @@ impl Rule {
         }
         let rows: Vec<Vec<f32>> = candidates.rows().into_iter().map(|row| row.to_vec()).collect();
         let mut desk = Desk::new((0..count).map(|index| Action::axes(&[index as f32])).collect())?;
+        let goals = self.of_goals(&goals, 1, count)?;
+        desk.of_goals(&goals, 0)?;
         let likeness = asked
             .as_ref()
             .map(|asked| |index: usize| (-distance(&rows[index], asked), rows[index] == *asked));
@@ -149,8 +159,56 @@ impl Rule {
     }
 }
 
+/// Values for every goal, rows × goals × actions, and the goals' probabilities, rows × goals.
+type OfGoals<'py> = (PyReadonlyArray3<'py, f32>, PyReadonlyArray2<'py, f32>);
+/// The same as views.
+type GoalRows<'a> = Option<(ArrayView3<'a, f32>, ArrayView2<'a, f32>)>;
+
+impl Rule {
+    /// What is given about the goals, if it is what the rule needs.
+    fn of_goals<'a>(
+        &self,
+        goals: &'a Option<OfGoals<'_>>,
+        rows: usize,
+        actions: usize,
+    ) -> PyResult<GoalRows<'a>> {
+        let (word, needs) = (self.rule.word(), self.arbiter.needs());
+        if needs.look_ahead {
+            return Err(Kind::Option.error(format!(
+                "the rule {word} looks ahead in a copy of the plant, and there is none here; fly it in a World"
+            )));
+        }
+        let Some((values, probabilities)) = goals else {
+            return match needs.every_goal {
+                true => Err(Kind::Option.error(format!(
+                    "the rule {word} needs the values for every goal and how likely each is: goal_values and probabilities"
+                ))),
+                false => Ok(None),
+            };
+        };
+        let (values, probabilities) = (values.as_array(), probabilities.as_array());
+        let count = probabilities.dim().1;
+        if values.dim() != (rows, count, actions) || probabilities.dim().0 != rows {
+            return Err(Kind::Array.error(format!(
+                "expected goal_values of shape ({rows}, goals, {actions}) and probabilities of ({rows}, goals), got {:?} and {:?}",
+                values.dim(),
+                probabilities.dim()
+            )));
+        }
+        if !(1..=MAX_GOALS).contains(&count) {
+            return Err(Kind::Array.error(format!("expected 1 to {MAX_GOALS} goals, got {count}")));
+        }
+        if let Some(p) = probabilities.iter().find(|p| !(0.0..=1.0).contains(*p)) {
+            return Err(Kind::Array.error(format!("a probability lies in [0, 1], got {p}")));
+        }
+        Ok(Some((values, probabilities)))
+    }
+}
+
 /// Where one decision after the other is made, without allocating anew.
 struct Desk {
+    belief: Belief,
+    of_goals: Vec<f32>,
     values: ActionValues,
     likeness: Vec<Likeness>,
     allowed: Vec<bool>,
@@ -160,7 +218,20 @@ impl Desk {
     fn new(candidates: Vec<Action>) -> PyResult<Self> {
         let allowed = vec![false; candidates.len()];
         let values = ActionValues::equal(candidates).map_err(|error| Kind::Array.error(error))?;
-        Ok(Self { values, likeness: Vec::new(), allowed })
+        let belief = Belief::unknown(1, 0);
+        Ok(Self { belief, of_goals: Vec::new(), values, likeness: Vec::new(), allowed })
+    }
+
+    /// Takes one row of what is given about the goals.
+    fn of_goals(&mut self, goals: &GoalRows<'_>, row: usize) -> PyResult<()> {
+        let Some((values, probabilities)) = goals else { return Ok(()) };
+        self.of_goals.clear();
+        self.of_goals.extend(values.index_axis(Axis(0), row).iter());
+        if !self.of_goals.iter().all(|value| value.is_finite()) {
+            return Err(Kind::Array.error("goal_values must be finite"));
+        }
+        self.belief = Belief::from_probabilities(&probabilities.row(row).to_vec());
+        Ok(())
     }
 
     fn decide(
@@ -186,33 +257,10 @@ impl Desk {
         }
         self.allowed.fill(false);
         let likeness = likeness.is_some().then_some(self.likeness.as_slice());
-        let mut belief = Belief::unknown(1, 0);
-        belief.confidence = confidence;
-        Ok(arbiter.decide(&Stage::new(&self.values, likeness, &belief), &mut self.allowed))
-    }
-}
-
-fn named(name: &str, alpha: Option<f64>, kappa: Option<f64>) -> PyResult<CoreRule> {
-    let rule = match name {
-        "hic" => CoreRule::Hic,
-        "robot" => CoreRule::Robot,
-        "lasc" => CoreRule::Lasc,
-        "misc" => CoreRule::Misc,
-        "tolerance" => CoreRule::Tolerance { alpha: alpha.unwrap_or(0.6) },
-        "misc-r" => CoreRule::MiscR { kappa: kappa.unwrap_or(cohelm::arbitration::DEFAULT_KAPPA) },
-        _ => {
-            let known = "hic, robot, lasc, misc, tolerance, misc-r";
-            return Err(Kind::Option.error(format!("no rule is called {name:?}; there are: {known}")));
-        }
-    };
-    let foreign = match rule {
-        CoreRule::Tolerance { .. } => kappa.map(|_| "kappa"),
-        CoreRule::MiscR { .. } => alpha.map(|_| "alpha"),
-        _ => alpha.map(|_| "alpha").or(kappa.map(|_| "kappa")),
-    };
-    match foreign {
-        Some(parameter) => Err(Kind::Option.error(format!("the rule {name} has no {parameter}"))),
-        None => Ok(rule),
+        self.belief.confidence = confidence;
+        let mut stage = Stage::new(&self.values, likeness, &self.belief);
+        stage.of_goals = GoalValues::new(&self.of_goals, values.len());
+        Ok(arbiter.decide(&stage, &mut self.allowed))
     }
 }
 

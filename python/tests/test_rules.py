@@ -48,12 +48,42 @@ def test_continuous_actions():
     assert np.allclose(blended, 0.25 * candidates[1] + 0.75 * asked)
 
 
+def test_rules_that_weigh_every_goal():
+    # The first goal wants action 0, the second action 2; action 1 is nearly as good for both.
+    goals = [[1.0, 0.8, 0.0], [0.0, 0.8, 1.0]]
+    of_goals = {"goal_values": goals, "probabilities": [0.5, 0.5]}
+    assert Rule("hindsight").decide(goals[0], 0.0, 0, **of_goals) == 1
+    assert Rule("hindsight", likeness=0.4).decide(goals[0], 0.0, 0, **of_goals) == 0
+    assert Rule("ida").decide(goals[0], 0.9, 2, **of_goals) == 2, "good for the second goal"
+    assert Rule("ida").decide(goals[0], 0.9, 2, goal_values=[goals[0]] * 2, probabilities=[0.5, 0.5]) == 0
+    batch = Rule("hindsight").decide(
+        [goals[0]] * 2, [0.0, 0.0], [0, 0], goal_values=[goals] * 2, probabilities=[[0.5, 0.5], [0.05, 0.95]]
+    )
+    assert batch.tolist() == [1, 2]
+    candidates = np.array([[0.0], [0.5], [1.0]], dtype=np.float32)
+    assert Rule("hindsight").decide_among(goals[0], candidates, 0.0, [0.0], **of_goals) == [0.5]
+
+
+def test_parameters_go_by_name():
+    assert repr(Rule("line-graph", start=0.1, most=0.5)) == "Rule('line-graph', start=0.1, full=0.8, most=0.5)"
+    assert Rule("threshold", confidence=0.3).decide([0.0, 1.0], 0.4, 0) == 1
+    assert Rule("threshold", confidence=0.5).decide([0.0, 1.0], 0.4, 0) == 0
+
+
 @pytest.mark.parametrize(
     "call, error, words",
     [
         (lambda: Rule("mics"), cohelm.OptionError, "no rule is called"),
         (lambda: Rule("misc", alpha=0.5), cohelm.OptionError, "has no alpha"),
         (lambda: Rule("tolerance", alpha=2.0), cohelm.OptionError, r"\[0, 1\]"),
+        (lambda: Rule("safe-nearest", hold=1.5), cohelm.OptionError, "whole number of ticks"),
+        (lambda: Rule("safe-nearest").decide([0.0, 1.0], 0.5, 0), cohelm.OptionError, "fly it in a World"),
+        (lambda: Rule("ida").decide([0.0, 1.0], 0.5, 0), cohelm.OptionError, "goal_values and probabilities"),
+        (
+            lambda: Rule("ida").decide([0.0, 1.0], 0.5, 0, goal_values=[[0.0, 1.0]], probabilities=[0.5, 0.5]),
+            cohelm.ArrayError,
+            "expected goal_values of shape",
+        ),
         (lambda: Rule("misc").decide([0.0, np.nan], 0.5, 0), cohelm.ArrayError, "finite"),
         (lambda: Rule("misc").decide([0.0, 1.0], 1.5, 0), cohelm.ArrayError, "confidence"),
         (lambda: Rule("misc").decide([0.0, 1.0], 0.5, 2), cohelm.ActionError, "from 0 to 1"),

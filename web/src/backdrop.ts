@@ -23,10 +23,11 @@ export function paintBackdrop(
   view.useScreen(pen);
   pen.clearRect(0, 0, view.width, view.height);
   paintSky(pen, view, terrain.exists);
-  paintStars(pen, view, random(1));
-  paintPlanet(pen, view, random(2));
-  if (terrain.exists) paintRanges(pen, view, scene, terrain, random(3));
-  else paintGrid(pen, view, scene);
+  if (terrain.exists) {
+    paintStars(pen, view, random(1));
+    paintPlanet(pen, view, random(2));
+    paintRanges(pen, view, scene, terrain, random(3));
+  } else paintGrid(pen, view, scene);
   const goals = scene.fixed.filter((part) => part.role === 'goal');
   const ownParts = goals.filter((part) => part.goal === ownGoal);
   if (terrain.exists) ownParts.forEach((part) => paintBeam(pen, view, part));

@@ -1,8 +1,9 @@
 // The footer of the flying view: mode, speed, and a panel for what is chosen more rarely.
 
 import type { ModelEntry } from './api';
+import type { ActionSet } from './core';
 import { button, element, select } from './dom';
-import type { ActionSet, Hangar, Task } from './hangar';
+import type { Hangar, Task } from './hangar';
 import { INFERENCES, MODES, TIME_SCALES, type ModeEntry, type Settings } from './settings';
 
 /** What is chosen is told; what can be chosen follows from plant, actions and models. */
@@ -36,7 +37,7 @@ export class Controls {
 
   get actionSet(): ActionSet {
     const sets = this.hangar.actionSets(this.plant);
-    return sets.find((set) => set.key === this.settings.actions) ?? sets[0] ?? { key: 'usual', label: '', options: {} };
+    return sets.find((set) => set.name === this.settings.actions) ?? sets[0];
   }
 
   get plant(): string {
@@ -117,7 +118,7 @@ export class Controls {
   private choices(): HTMLElement[] {
     const { hangar, settings, task } = this;
     const plants = hangar.plants.map(({ name }): [string, string] => [name, name]);
-    const sets = hangar.actionSets(task.plant).map(({ key, label }): [string, string] => [key, label]);
+    const sets = hangar.actionSets(task.plant).map(({ name, label }): [string, string] => [name, label]);
     const values = hangar
       .fitting('values', task)
       .map((model): [string, string] => [model.hash, nameOf(model, hangar.learning)]);
@@ -130,7 +131,7 @@ export class Controls {
     return [
       element('p', {}, summary),
       select('plant', plants, task.plant, (plant) => this.changed({ plant })),
-      select('actions', sets, this.actionSet.key, (actions) => this.changed({ actions })),
+      select('actions', sets, this.actionSet.name, (actions) => this.changed({ actions })),
       select('co-pilot', values.length > 0 ? values : [['', 'none']], chosen, (hash) =>
         this.changed({ values: hash === values[0]?.[0] ? '' : hash }),
       ),

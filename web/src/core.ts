@@ -32,20 +32,33 @@ export interface Scene {
 }
 
 export interface Rule {
-  rule: 'hic' | 'robot' | 'lasc' | 'misc' | 'tolerance' | 'misc-r';
+  rule:
+    | 'hic'
+    | 'robot'
+    | 'lasc'
+    | 'line-graph'
+    | 'threshold'
+    | 'hindsight'
+    | 'misc'
+    | 'tolerance'
+    | 'misc-r'
+    | 'misc-h'
+    | 'ida'
+    | 'safe-nearest';
   alpha?: number;
   kappa?: number;
+  release?: number;
+  start?: number;
+  full?: number;
+  most?: number;
+  confidence?: number;
+  likeness?: number;
+  hold?: number;
+  horizon?: number;
 }
 
 export type Inference =
-  | 'nearest'
-  | 'known'
-  | 'inverse-distance'
-  | 'softmax'
-  | 'calibrated'
-  | 'bayesian'
-  | 'calibrated-bayesian'
-  | 'imagined';
+  'nearest' | 'known' | 'inverse-distance' | 'softmax' | 'calibrated' | 'bayesian' | 'calibrated-bayesian' | 'imagined';
 
 /** Those that need a network for intent. */
 export function needsNetwork(inference: Inference): boolean {
@@ -143,10 +156,27 @@ export interface Wish {
   pilot: Hands;
 }
 
+/** A set of actions that a plant can be flown with. */
+export interface ActionSet {
+  name: string;
+  label: string;
+  /** The plant's options that choose it. */
+  options: Record<string, unknown>;
+}
+
+/** A plant that the loop knows. */
+export interface PlantEntry {
+  name: string;
+  version: number;
+  summary: string;
+  /** The sets of actions to choose from, the usual one first; empty if there is only one. */
+  actions: ActionSet[];
+}
+
 export interface About {
   source_hash: string;
   version: string;
-  plants: { name: string; version: number; summary: string }[];
+  plants: PlantEntry[];
 }
 
 /** A model that the loop took in. */

@@ -1,8 +1,8 @@
-// Flames, and what flies off: only to be looked at. Nothing here changes a flight.
+// Flames, rotors, and what flies off: only to be looked at. Nothing here changes a flight.
 
-import type { Part, Pose, Scene } from './core';
-import { DUST, FLAME } from './palette';
-import { inWorld, nozzleOf, Terrain, type Nozzle } from './shapes';
+import type { Part, Pose, Scene, Shape } from './core';
+import { AIR, DUST, FLAME } from './palette';
+import { boxOf, inWorld, nozzleOf, Terrain, type Nozzle } from './shapes';
 
 type Pen = CanvasRenderingContext2D;
 
@@ -27,8 +27,10 @@ interface Particle {
   turn: number;
 }
 
-/** The flames of a scene's thrust parts, and all particles. */
+/** The flames and rotors of a scene's thrust parts, and all particles. */
 export class Exhaust {
+  private readonly thrusts: boolean[];
+  /** Of thrusts that blow; one that is only a line spins. */
   private readonly nozzles: (Nozzle | null)[];
   private readonly shown: number[];
   private readonly particles: Particle[] = [];
@@ -39,6 +41,7 @@ export class Exhaust {
     scene: Scene,
     private readonly calm: boolean,
   ) {
+    this.thrusts = scene.movable.map((part) => part.role === 'thrust');
     this.nozzles = scene.movable.map((part) => (part.role === 'thrust' ? nozzleOf(part) : null));
     this.shown = scene.movable.map(() => 0);
     this.terrain = new Terrain(scene);
@@ -48,20 +51,24 @@ export class Exhaust {
   advance(poses: (Pose | null)[], seconds: number): void {
     this.nozzles.forEach((nozzle, i) => {
       const pose = poses[i];
-      if (nozzle === null || pose == null) return;
+      if (!this.thrusts[i] || pose == null) return;
       const wanted = Math.min(Math.max(pose.strength, 0), 1);
       const shown = this.shown[i]!;
       const step = seconds / (wanted > shown ? GROW_S : DIE_S);
       this.shown[i] = this.calm ? wanted : shown + Math.min(Math.max(wanted - shown, -step), step);
-      if (!this.calm) this.blow(nozzle, pose, this.shown[i]!, seconds);
+      if (nozzle !== null && !this.calm) this.blow(nozzle, pose, this.shown[i]!, seconds);
     });
     this.move(seconds);
   }
 
-  /** One flame, at the place of its part. */
-  paintFlame(pen: Pen, part: Part, index: number, nowMs: number): void {
+  /** One flame or rotor, at the place of its part. */
+  paintThrust(pen: Pen, part: Part, index: number, nowMs: number): void {
     const [nozzle, strength] = [this.nozzles[index], this.shown[index] ?? 0];
-    if (nozzle == null || strength <= 0.01 || part.role !== 'thrust') return;
+    if (part.role !== 'thrust' || strength <= 0.01) return;
+    if (nozzle == null) {
+      for (const shape of part.shapes) paintRotor(pen, shape, strength, this.calm ? 0 : nowMs);
+      return;
+    }
     const flicker = this.calm ? 1 : 1 + 0.09 * Math.sin(nowMs / 23 + index) + 0.07 * Math.sin(nowMs / 9.1 + 2 * index);
     const [dx, dy] = [nozzle.tip[0] - nozzle.mouth[0], nozzle.tip[1] - nozzle.mouth[1]];
     pen.save();
@@ -242,6 +249,33 @@ function spot(colour: string): HTMLCanvasElement {
   pen.fillStyle = fill;
   pen.fillRect(0, 0, 2 * half, 2 * half);
   return canvas;
+}
+
+/** A line that spins, seen from the side: a blurred disc, a blade now and then, and the air that it throws down. */
+function paintRotor(pen: Pen, shape: Shape, strength: number, nowMs: number): void {
+  const [west, south, east, north] = boxOf([shape]);
+  const [x, y, half] = [(west + east) / 2, (south + north) / 2, (east - west) / 2];
+  const wash = half * (0.6 + 4.2 * strength * strength);
+  const air = pen.createLinearGradient(0, y, 0, y - wash);
+  air.addColorStop(0, `rgba(${AIR}, ${0.1 + 0.4 * strength})`);
+  air.addColorStop(1, `rgba(${AIR}, 0)`);
+  pen.save();
+  pen.fillStyle = air;
+  pen.beginPath();
+  pen.moveTo(x - 0.92 * half, y);
+  pen.quadraticCurveTo(x - 0.5 * half, y - 0.4 * wash, x - 0.72 * half, y - wash);
+  pen.lineTo(x + 0.72 * half, y - wash);
+  pen.quadraticCurveTo(x + 0.5 * half, y - 0.4 * wash, x + 0.92 * half, y);
+  pen.fill();
+  pen.fillStyle = `rgba(${AIR}, 0.45)`;
+  pen.beginPath();
+  pen.ellipse(x, y, half, 0.16 * half, 0, 0, 2 * Math.PI);
+  pen.fill();
+  pen.fillStyle = `rgba(${AIR}, 0.95)`;
+  pen.beginPath();
+  pen.ellipse(x, y, half * Math.abs(Math.cos(nowMs / 21)), 0.07 * half, 0, 0, 2 * Math.PI);
+  pen.fill();
+  pen.restore();
 }
 
 /** A flame's body: round at the mouth, pointed at its tip, brightest at the mouth. */

@@ -376,7 +376,7 @@ function numbersOf(summary: FlightSummary): HTMLElement {
   return element(
     'div',
     { class: 'numbers' },
-    number(`${summary.seconds.toFixed(1)} s`, 'in the air'),
+    number(`${summary.seconds.toFixed(1)} s`, 'to the end'),
     number(String(summary.commands), 'commands'),
     number(share, 'corrected'),
   );

@@ -1,27 +1,10 @@
-// What can be flown here, and with which models. Knows no plant: which options a plant takes, and whether two tasks
-// have the same actions, is tried out in a loop of its own.
+// What can be flown here, and with which models. Knows no plant: what there is to choose comes from the loop, and
+// whether two tasks have the same actions is tried out in a loop of its own.
 
 import { listModels, modelBytes, type ModelEntry } from './api';
-import type { About, Control, Core, Inference, Setup } from './core';
+import type { ActionSet, Control, Core, Inference, PlantEntry, Setup } from './core';
 
 export type Task = Setup['task'];
-
-/** A set of actions that a plant can be flown with. */
-export interface ActionSet {
-  key: string;
-  label: string;
-  options: Record<string, unknown>;
-}
-
-/** What the page has words for; a plant that takes none of these options is flown as it is. */
-const ACTION_SETS: ActionSet[] = [
-  { key: 'usual', label: '', options: {} },
-  { key: 'switches', label: 'switches (the paper’s)', options: { actions: 'switches' } },
-  { key: 'main-side', label: 'main × side, held', options: { actions: 'main-side' } },
-  { key: 'gymnasium', label: 'Gymnasium’s four', options: { actions: 'gymnasium' } },
-  { key: 'continuous', label: 'axes, stick or keys', options: { actions: 'continuous' } },
-  { key: 'axes', label: 'axes, stick or keys', options: { continuous: true } },
-];
 
 /** What trying a task out has shown. */
 export interface Tried {
@@ -36,7 +19,7 @@ export interface Tried {
 
 /** Plants, action sets and models. */
 export class Hangar {
-  readonly plants: About['plants'];
+  readonly plants: PlantEntry[];
   models: ModelEntry[] = [];
   /** Hash of the values that learn while people fly. */
   learning: string | null = null;
@@ -55,10 +38,10 @@ export class Hangar {
     return this.plants.find((known) => known.name === plant)?.version ?? null;
   }
 
-  actionSets(plant: string): ActionSet[] {
-    const taken = ACTION_SETS.filter((set) => this.try({ plant, options: set.options }) !== null);
-    const named = taken.filter((set) => 'actions' in set.options);
-    return named.length > 0 ? named : taken.map((set) => ({ ...set, label: set.label || this.describe(plant) }));
+  /** The sets of actions that a plant offers; its only one, if it offers none to choose from. */
+  actionSets(plant: string): [ActionSet, ...ActionSet[]] {
+    const [first, ...others] = this.plants.find((known) => known.name === plant)?.actions ?? [];
+    return first === undefined ? [{ name: 'usual', label: this.describe(plant), options: {} }] : [first, ...others];
   }
 
   /** The actions of a plant as it is, in its own words. */

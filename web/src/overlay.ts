@@ -4,7 +4,7 @@ import type { Goal, Rule, Tick } from './core';
 import { element } from './dom';
 import { drawStrip, History, outcomeOf } from './history';
 import { drawPlane, planeOf, worthOf } from './plane';
-import { RULES } from './words';
+import { RULES, parametersOf } from './words';
 
 /** Ticks of history that are shown: five seconds at fifty a second. */
 const HISTORY_TICKS = 250;
@@ -67,9 +67,8 @@ export class Overlay {
   begin(rule: Rule, ownGoal: number | null, goals: Goal[], labels: string[]): void {
     this.ownGoal = ownGoal;
     this.ruleWord = rule.rule;
-    const number =
-      rule.kappa !== undefined ? ` κ = ${rule.kappa}.` : rule.alpha !== undefined ? ` α = ${rule.alpha}.` : '';
-    this.rule.textContent = RULES[rule.rule] + number;
+    const parameters = parametersOf(rule);
+    this.rule.textContent = RULES[rule.rule] + (parameters ? ` ${parameters}.` : '');
     this.show(null, new History(), 0);
     this.showGoals(null, goals);
     rows(this.values, labels.length).forEach((row, i) => setRow(row, labels[i]!, '', 0, '', ''));

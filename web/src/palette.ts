@@ -19,3 +19,5 @@ export const CORRECTED = '255, 176, 0';
 /** A flame from its heart outwards. */
 export const FLAME = { heart: '255, 250, 232', middle: '255, 186, 84', edge: '255, 104, 48' } as const;
 export const DUST = '164, 178, 208';
+/** What a rotor throws down. */
+export const AIR = '196, 220, 255';

@@ -220,7 +220,7 @@ export class Stage {
       front.save();
       front.translate(pose.x, pose.y);
       front.rotate(pose.angle_rad);
-      if (part.role === 'thrust') shown.exhaust.paintFlame(front, part, i, nowMs);
+      if (part.role === 'thrust') shown.exhaust.paintThrust(front, part, i, nowMs);
       else if (part.role !== 'goal') paintPart(front, part, view.line / view.scale);
       front.restore();
     });

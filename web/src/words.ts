@@ -37,9 +37,15 @@ export const RULE_NAMES: Record<Rule['rule'], string> = {
   hic: 'HIC',
   robot: 'robot',
   lasc: 'LASC',
+  'line-graph': 'line graph',
+  threshold: 'threshold',
+  hindsight: 'hindsight',
   misc: 'MISC',
   tolerance: 'tolerance',
   'misc-r': 'MISC-R',
+  'misc-h': 'MISC-H',
+  ida: 'IDA',
+  'safe-nearest': 'safe-nearest',
 };
 
 /** What a rule does, in one sentence. */
@@ -47,10 +53,27 @@ export const RULES: Record<Rule['rule'], string> = {
   hic: 'Human alone: what is asked is carried out.',
   robot: 'Robot alone: the best action, whatever is asked.',
   lasc: 'Linear: the robot’s action if c > 0.5, otherwise the person’s.',
+  'line-graph':
+    'Line graph: the robot weighs nothing below one confidence, its most above another, between them linearly.',
+  threshold: 'Threshold: the robot takes over above a confidence.',
+  hindsight: 'Hindsight optimisation: the best action on average over the goals.',
   misc: 'Minimal intervention: allowed is Q′ ≥ c · Q′max; of these the most similar.',
   tolerance: 'Constant tolerance: allowed is Q′ ≥ (1 − α) · Q′max; of these the most similar.',
   'misc-r': 'MISC-R: allowed is what costs at most κ · median range; of these the most similar.',
+  'misc-h':
+    'MISC-H: allowed is what costs at most κ · median range on average over the goals, less after an intervention.',
+  ida: 'Act only if better: the robot’s action if it is better for every goal.',
+  'safe-nearest': 'Safe-nearest: the most similar action after which the robot can still save the plant.',
 };
+
+/** Signs of parameters that have one. */
+const SIGNS: Record<string, string> = { alpha: 'α', kappa: 'κ', confidence: 'c' };
+
+/** A rule's parameters, such as `κ = 0.7`; empty if it has none. */
+export function parametersOf(rule: Rule): string {
+  const given = Object.entries(rule).filter((entry): entry is [string, number] => typeof entry[1] === 'number');
+  return given.map(([name, value]) => `${SIGNS[name] ?? name} = ${value}`).join(', ');
+}
 
 /** How axes are steered without keys. */
 export const DRAG = 'Or press on the picture and drag: a stick under your mouse or finger.';

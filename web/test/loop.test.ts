@@ -176,12 +176,14 @@ describe('the hangar', () => {
     hangar = new Hangar(await core.another());
   });
 
-  it('finds out which actions a plant takes', () => {
-    const keys = (plant: string) => hangar.actionSets(plant).map((set) => set.key);
-    expect(keys('flag-lander')).toEqual(['switches', 'main-side', 'gymnasium', 'continuous']);
-    expect(keys('gymnasium-lander')).toEqual(['usual', 'axes']);
-    expect(keys('point')).toEqual(['usual']);
-    expect(keys('nothing')).toEqual([]);
+  it('offers the actions that the loop names for a plant, and all of them can be flown', () => {
+    const names = (plant: string) => hangar.actionSets(plant).map((set) => set.name);
+    expect(names('flag-lander')).toEqual(['switches', 'main-side', 'gymnasium', 'continuous']);
+    expect(names('gymnasium-lander')).toEqual(['four', 'axes']);
+    expect(names('drone')).toEqual(['levers', 'continuous']);
+    expect(names('point')).toEqual(['usual']);
+    for (const { name } of hangar.plants)
+      for (const { options } of hangar.actionSets(name)) expect(hangar.try({ plant: name, options })).not.toBeNull();
   });
 
   it('knows axes from commands, and who brings values', () => {

@@ -6,22 +6,29 @@ use cohelm::scene::{Part, Pose, Role, Scene, Shape};
 /// Half the width of a link, m.
 const HALF_LINK_M: f32 = 0.032;
 
-/// The table, the cups, the arm.
+/// The base, how far the hand reaches, the cups, the arm.
 pub fn scene(arm: &Arm) -> Scene {
-    let edge = Shape::Polygon { points: vec![[-1.4, 0.06], [1.4, 0.06], [1.4, -0.4], [-1.4, -0.4]] };
-    let mut fixed = vec![part(Role::Ground, vec![edge])];
+    let reach = (0..=48).map(|i| {
+        let angle = core::f64::consts::PI * f64::from(i) / 48.0;
+        [(2.0 * LINK_M * libm::cos(angle)) as f32, (2.0 * LINK_M * libm::sin(angle)) as f32]
+    });
+    let base = Shape::Polygon { points: vec![[-0.09, 0.03], [0.09, 0.03], [0.09, -0.09], [-0.09, -0.09]] };
+    let mut fixed = vec![part(Role::Decor, vec![Shape::Line { points: reach.collect() }, base])];
     fixed.extend(arm.cups.iter().enumerate().map(|(goal, cup)| Part {
         role: Role::Goal,
         goal: Some(goal as u32),
         shapes: vec![Shape::Disc { center: cup.map(|at| at as f32), radius: CUP_M as f32 }],
     }));
+    let joint = |radius| part(Role::Decor, vec![Shape::Disc { center: [0.0; 2], radius }]);
     Scene {
-        bounds: [-1.0, -0.15, 1.0, 1.05],
+        bounds: [-1.05, -0.15, 1.05, 1.05],
         fixed,
         movable: vec![
             part(Role::Limb, vec![link()]),
             part(Role::Limb, vec![link()]),
-            part(Role::Decor, vec![Shape::Disc { center: [0.0; 2], radius: 1.5 * HALF_LINK_M }]),
+            joint(1.7 * HALF_LINK_M),
+            joint(1.4 * HALF_LINK_M),
+            part(Role::Limb, vec![finger(-1.0), finger(1.0)]),
             part(Role::Body, vec![Shape::Disc { center: [0.0; 2], radius: HAND_M as f32 }]),
         ],
         origin: MIDDLE_M.map(|at| at as f32),
@@ -29,7 +36,7 @@ pub fn scene(arm: &Arm) -> Scene {
     }
 }
 
-/// In the order of the movable parts: upper arm, fore-arm, elbow, hand.
+/// In the order of the movable parts: upper arm, fore-arm, shoulder, elbow, fingers, hand.
 pub fn poses(arm: &Arm, poses: &mut Vec<Pose>) {
     let (elbow, hand) = (arm.joints.elbow_at(), arm.joints.hand_at());
     let at = |[x, y]: [f64; 2], angle: f64| Pose {
@@ -38,14 +45,12 @@ pub fn poses(arm: &Arm, poses: &mut Vec<Pose>) {
         angle_rad: angle as f32,
         strength: 1.0,
     };
-    let fore_arm = arm.joints.shoulder + arm.joints.elbow;
+    let (upper_arm, fore_arm) = (arm.joints.shoulder, arm.joints.shoulder + arm.joints.elbow);
+    let shoulder = [0.0; 2];
     poses.clear();
-    poses.extend([
-        at([0.0; 2], arm.joints.shoulder),
-        at(elbow, fore_arm),
-        at(elbow, 0.0),
-        at(hand, fore_arm),
-    ]);
+    poses.extend([at(shoulder, upper_arm), at(elbow, fore_arm), at(shoulder, 0.0), at(elbow, 0.0)]);
+    // The hand is round: upright, so that whoever reads its tilt reads none.
+    poses.extend([at(hand, fore_arm), at(hand, 0.0)]);
 }
 
 fn part(role: Role, shapes: Vec<Shape>) -> Part {
@@ -55,4 +60,14 @@ fn part(role: Role, shapes: Vec<Shape>) -> Part {
 fn link() -> Shape {
     let (length, half) = (LINK_M as f32, HALF_LINK_M);
     Shape::Polygon { points: vec![[0.0, half], [length, 0.7 * half], [length, -0.7 * half], [0.0, -half]] }
+}
+
+fn finger(side: f32) -> Shape {
+    let hand = HAND_M as f32;
+    let points = vec![
+        [0.4 * hand, 0.9 * side * hand],
+        [1.3 * hand, 1.1 * side * hand],
+        [1.9 * hand, 0.6 * side * hand],
+    ];
+    Shape::Line { points }
 }

@@ -153,17 +153,18 @@ fn a_joint_at_its_stop_and_the_time_end_it() {
     assert_eq!(endings, [None, None, Some(Ending::TimeLimit)]);
 }
 
-/// Measured: 99.7 % of 300 for levers.
+/// `docs/plants.md` names these numbers.
 #[test]
 fn the_teacher_takes_the_cup_wherever_it_starts() {
     for actions in BOTH {
         let mut arm = arm(actions);
-        let taken = (0..100).filter(|&seed| {
+        let taken = (0..300).filter(|&seed| {
             arm.reset(seed);
             taught(&mut arm) == Ending::Goal
         });
         let taken = taken.count();
-        assert!(taken >= 97, "{actions:?}: {taken}");
+        println!("{actions:?}: {taken} of 300");
+        assert!(taken >= 291, "{actions:?}: {taken} of 300");
     }
 }
 

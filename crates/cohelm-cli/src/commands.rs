@@ -1,6 +1,7 @@
 //! The commands, one a module.
 
 pub mod bench;
+pub mod compare;
 pub mod episodes;
 pub mod evaluate;
 pub mod fly;

@@ -31,6 +31,8 @@ enum Command {
     Intents(commands::intents::Intents),
     /// Reproduce the paper's experiment with simulated pilots.
     Reproduce(commands::reproduce::Reproduce),
+    /// Compare every rule of arbitration on the same plants, people and seeds.
+    Compare(commands::compare::Compare),
     /// Check, try, run and report a study with people.
     #[command(subcommand)]
     Study(commands::study::Study),
@@ -56,6 +58,7 @@ fn main() -> ExitCode {
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Intents(intents) => intents.run(),
         Command::Reproduce(reproduce) => reproduce.run(),
+        Command::Compare(compare) => compare.run(),
         Command::Study(study) => study.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Episodes(episodes) => episodes.run(),

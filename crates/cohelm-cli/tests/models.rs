@@ -10,6 +10,8 @@ use std::fs;
 fn plants() -> Plants {
     let mut plants = Plants::default();
     cohelm_lander::register(&mut plants);
+    plants.register(cohelm_drone::entry());
+    plants.register(cohelm_arm::entry());
     plants.register(cohelm::point::entry());
     plants
 }
@@ -26,10 +28,9 @@ fn what_the_commands_need_is_shipped() {
         .iter()
         .map(|model| (model.card().kind, model.card().name.clone(), model.card().variant.clone()))
         .collect();
-    for actions in ["switches", "main-side"] {
+    for name in ["flag-lander-switches", "flag-lander-main-side", "drone-levers", "arm-levers"] {
         for kind in [Kind::Values, Kind::Intent] {
-            let name = format!("flag-lander-{actions}");
-            let usual = (kind, name.clone(), None);
+            let usual = (kind, name.to_string(), None);
             assert!(shipped.contains(&usual), "no {} of {name} among {shipped:?}", kind.word());
         }
     }

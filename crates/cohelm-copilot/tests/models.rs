@@ -145,3 +145,46 @@ proptest! {
         prop_assert!(Model::from_bytes(&model.bytes()[..cut]).is_err());
     }
 }
+
+/// A plant that cannot be copied.
+struct Uncopied(Box<dyn cohelm::plant::Plant>);
+
+impl cohelm::plant::Plant for Uncopied {
+    fn reset(&mut self, seed: u64) {
+        self.0.reset(seed);
+    }
+
+    fn step(&mut self, executed: Option<cohelm::action::Action>) -> cohelm::plant::Step {
+        self.0.step(executed)
+    }
+
+    fn view(&self) -> cohelm::plant::View<'_> {
+        self.0.view()
+    }
+
+    fn pilot_goal(&self) -> usize {
+        self.0.pilot_goal()
+    }
+
+    fn space(&self) -> &cohelm::action::ActionSpace {
+        self.0.space()
+    }
+
+    fn scene(&self) -> cohelm::scene::Scene {
+        self.0.scene()
+    }
+
+    fn poses(&self, poses: &mut Vec<cohelm::scene::Pose>) {
+        self.0.poses(poses);
+    }
+}
+
+#[test]
+fn a_rule_that_looks_ahead_needs_a_plant_that_can_be_copied() {
+    let setup = setup(Task::new("point"), Inference::Nearest, None, None);
+    let setup = Setup { rule: Rule::SafeNearest { hold: 5, horizon: 30 }, ..setup };
+    let plant = made::plants().make(&setup.task).unwrap();
+    assert!(cockpit(&setup, plant.as_ref(), &made::plants(), &Models::new()).is_ok());
+    let refused = cockpit(&setup, &Uncopied(plant), &made::plants(), &Models::new()).err().unwrap();
+    assert_eq!(refused, CockpitError::NoCopy { rule: "safe-nearest", plant: "point".into() });
+}

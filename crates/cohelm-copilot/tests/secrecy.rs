@@ -51,6 +51,12 @@ impl Plant for Wanting {
     fn poses(&self, poses: &mut Vec<Pose>) {
         self.plant.poses(poses);
     }
+
+    fn snapshot(&self) -> Option<Box<dyn Plant>> {
+        let mut plant = self.plant.snapshot()?;
+        plant.set_pilot_goal(self.goal);
+        Some(plant)
+    }
 }
 
 fn setup(rule: Rule, inference: Inference, models: &Models) -> Setup {
@@ -106,7 +112,7 @@ fn another_goal_with_the_same_requests_changes_no_bit_of_belief_or_decision() {
     let asked: Vec<Option<Action>> =
         (0..150).map(|_| draws.chance(0.6).then(|| Action::Command(draws.below(6) as u8))).collect();
     for inference in Inference::ALL.into_iter().filter(|&inference| inference != Inference::Known) {
-        for rule in [Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }, Rule::Robot] {
+        for rule in Rule::USUAL {
             let setup = setup(rule, inference, &models);
             let [a, b] = [0, 2].map(|goal| decisions(&setup, &models, goal, &asked));
             assert!(a.len() > 100 && a == b, "{rule:?} with {inference:?}");

@@ -5,6 +5,8 @@ use cohelm::scene::{Part, Pose, Role, Scene, Shape};
 
 /// Thickness of a pad, m.
 const PAD_M: f32 = 0.15;
+/// Half the length of a rotor, m.
+const ROTOR_M: f32 = 0.28;
 
 /// Ground, pillars with pads, the drone.
 pub fn scene(drone: &Drone) -> Scene {
@@ -20,19 +22,19 @@ pub fn scene(drone: &Drone) -> Scene {
         polygon(&[[-0.2, -0.12], [0.2, -0.12], [0.26, 0.02], [0.16, 0.14], [-0.16, 0.14], [-0.26, 0.02]]);
     let arm = ARM_M as f32;
     let leg = |side: f32| line(&[[side * 0.12, -0.1], [side * 0.3, -0.25], [side * 0.38, -0.25]]);
-    let rotor = |side: f32| line(&[[side * (arm - 0.18), 0.08], [side * (arm + 0.18), 0.08]]);
-    let wash =
-        |side: f32| polygon(&[[side * (arm - 0.14), 0.05], [side * (arm + 0.14), 0.05], [side * arm, -0.55]]);
+    // A thrust that is only a line is a rotor: whoever draws it lets it spin.
+    let rotor = |side: f32| line(&[[side * arm - ROTOR_M, 0.1], [side * arm + ROTOR_M, 0.1]]);
+    let mast = |side: f32| line(&[[side * arm, 0.02], [side * arm, 0.1]]);
     Scene {
         bounds: [0.0, -0.6, WIDTH_M as f32, HEIGHT_M as f32],
         fixed,
         movable: vec![
-            part(Role::Thrust, vec![wash(-1.0)]),
-            part(Role::Thrust, vec![wash(1.0)]),
             part(
                 Role::Limb,
-                vec![line(&[[-arm, 0.04], [arm, 0.04]]), leg(-1.0), leg(1.0), rotor(-1.0), rotor(1.0)],
+                vec![line(&[[-arm, 0.02], [arm, 0.02]]), leg(-1.0), leg(1.0), mast(-1.0), mast(1.0)],
             ),
+            part(Role::Thrust, vec![rotor(-1.0)]),
+            part(Role::Thrust, vec![rotor(1.0)]),
             part(Role::Body, vec![body]),
             part(Role::Decor, vec![Shape::Disc { center: [0.0, 0.02], radius: 0.08 }]),
         ],
@@ -41,14 +43,14 @@ pub fn scene(drone: &Drone) -> Scene {
     }
 }
 
-/// In the order of the movable parts: the wash of the left and of the right rotor, arms, body, lamp.
+/// In the order of the movable parts: arms and legs, the left and the right rotor, body, lamp.
 pub fn poses(drone: &Drone, poses: &mut Vec<Pose>) {
     let [roll, lift] = drone.thrust;
     let strength = |side: f64| (0.45 + 0.4 * lift - 0.25 * side * roll).clamp(0.05, 1.0) as f32;
     let (x, y) = (drone.motion.x as f32, drone.motion.y as f32);
     let pose = |strength| Pose { x, y, angle_rad: drone.motion.tilt as f32, strength };
     poses.clear();
-    poses.extend([strength(-1.0), strength(1.0), 1.0, 1.0, 1.0].map(pose));
+    poses.extend([1.0, strength(-1.0), strength(1.0), 1.0, 1.0].map(pose));
 }
 
 fn part(role: Role, shapes: Vec<Shape>) -> Part {

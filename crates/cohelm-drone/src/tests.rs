@@ -148,16 +148,18 @@ fn ground_pillars_and_the_edges_of_the_world_end_it() {
     assert_eq!(endings, [None, None, Some(Ending::TimeLimit)]);
 }
 
-/// Measured: 100 % of 300 for both action sets.
+/// `docs/plants.md` names these numbers.
 #[test]
 fn the_teacher_lands_wherever_it_starts() {
     for actions in BOTH {
         let mut drone = drone(actions);
-        let landed = (0..100).filter(|&seed| {
+        let landed = (0..300).filter(|&seed| {
             drone.reset(seed);
             taught(&mut drone) == Ending::Goal
         });
-        assert!(landed.count() >= 97, "{actions:?}");
+        let landed = landed.count();
+        println!("{actions:?}: {landed} of 300");
+        assert!(landed >= 291, "{actions:?}: {landed} of 300");
     }
 }
 

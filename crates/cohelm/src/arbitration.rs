@@ -1,13 +1,36 @@
 //! Which action reaches the plant (Section III-C): candidates, values and similarities go in, a choice comes out.
 
+mod act_if_better;
+mod blend;
 mod choose;
+mod hedged;
+mod hindsight;
+mod human_alone;
+mod line_graph;
+mod linear;
+mod minimal;
+mod regret;
+mod robot_alone;
 mod rule;
-mod rules;
+mod safe_nearest;
 mod stage;
+mod threshold;
+mod tolerance;
 
-pub use rule::{DEFAULT_KAPPA, Rule, RuleError};
-pub use rules::{ConstantTolerance, HumanAlone, Linear, MinimalIntervention, RegretThreshold, RobotAlone};
+pub use act_if_better::ActIfBetter;
+pub use hedged::HedgedRegret;
+pub use hindsight::Hindsight;
+pub use human_alone::HumanAlone;
+pub use line_graph::LineGraph;
+pub use linear::Linear;
+pub use minimal::MinimalIntervention;
+pub use regret::RegretThreshold;
+pub use robot_alone::RobotAlone;
+pub use rule::{DEFAULT_KAPPA, MOST_AHEAD, Rule, RuleError};
+pub use safe_nearest::SafeNearest;
 pub use stage::{GoalValues, Last, Likeness, LookAhead, Stage};
+pub use threshold::Threshold;
+pub use tolerance::ConstantTolerance;
 
 /// What a rule chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -191,7 +191,7 @@ fn threshold(rule: &Rule, confidence: f32, values: &ActionValues, median_range: 
         Rule::Misc => Some(f64::from(confidence) * values.range()),
         Rule::Tolerance { alpha } => Some((1.0 - alpha) * values.range()),
         Rule::MiscR { kappa } => median_range.map(|median| (values.range() - kappa * median).max(0.0)),
-        Rule::Hic | Rule::Robot | Rule::Lasc => None,
+        _ => None,
     }
 }
 

@@ -69,12 +69,9 @@ fn rest(branch: &mut Branch) -> Vec<(Option<Action>, Option<Action>)> {
     std::iter::from_fn(|| branch.tick().map(|tick| (tick.asked, tick.executed))).collect()
 }
 
-const RULES: [Rule; 5] =
-    [Rule::Hic, Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }, Rule::Tolerance { alpha: 0.4 }];
-
 #[test]
 fn under_its_own_rule_the_rest_of_a_record_comes_out_bit_for_bit() {
-    for rule in RULES {
+    for rule in Rule::USUAL {
         let record = flown(rule, u32::MAX);
         for at in [0, 1, 44, 60, record.ticks() as u32 - 1] {
             let mut branch = branch(&record, at, rule).unwrap();
@@ -184,10 +181,10 @@ fn what_cannot_be_flown_on_is_refused_with_a_reason() {
 proptest! {
     /// Whatever rule goes on from wherever: the branch ends, and what lies before it is the record.
     #[test]
-    fn any_rule_goes_on_from_any_tick(own in 0_usize..5, other in 0_usize..5, part in 0.0..1.0_f64) {
-        let record = flown(RULES[own], u32::MAX);
+    fn any_rule_goes_on_from_any_tick(own in 0..Rule::USUAL.len(), other in 0..Rule::USUAL.len(), part in 0.0..1.0_f64) {
+        let record = flown(Rule::USUAL[own], u32::MAX);
         let at = (part * record.ticks() as f64) as u32;
-        let mut branch = branch(&record, at, RULES[other]).unwrap();
+        let mut branch = branch(&record, at, Rule::USUAL[other]).unwrap();
         prop_assert_eq!(branch.ticks(), at);
         let rest = rest(&mut branch);
         prop_assert!(branch.ending().is_some());

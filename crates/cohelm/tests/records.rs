@@ -71,9 +71,7 @@ fn the_robot_alone_reaches_the_goal_of_the_point() {
 
 #[test]
 fn a_flight_by_keys_replays_bit_for_bit_under_every_rule() {
-    for rule in
-        [Rule::Hic, Rule::Lasc, Rule::Misc, Rule::MiscR { kappa: 0.7 }, Rule::Tolerance { alpha: 0.4 }]
-    {
+    for rule in Rule::USUAL {
         let flown = flown_by_keys(rule);
         let seen = replay(&flown, point().as_mut(), Some(&mut cockpit(rule, wanted())));
         assert!(seen.identical() && seen.requests_identical == Some(true), "{rule:?}: {seen:?}");

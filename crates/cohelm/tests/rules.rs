@@ -1,7 +1,7 @@
 //! What the rules promise, over random values, likenesses and confidences (Section III-C and its extremes).
 
 use cohelm::action::Action;
-use cohelm::arbitration::{Arbiter, Likeness, Pick, Rule, RuleError, Stage};
+use cohelm::arbitration::{Arbiter, GoalValues, Last, Likeness, LookAhead, Pick, Rule, RuleError, Stage};
 use cohelm::intent::Belief;
 use cohelm::value::ActionValues;
 use proptest::prelude::*;
@@ -204,6 +204,160 @@ fn parameters_out_of_range_are_refused_with_the_range() {
     let error = |rule: Rule, range| rule.arbiter(range).map(|_: Box<dyn Arbiter>| ()).unwrap_err();
     assert_eq!(error(Rule::Tolerance { alpha: 1.5 }, 1.0), RuleError::Alpha(1.5));
     assert_eq!(error(Rule::MiscR { kappa: -1.0 }, 1.0), RuleError::Kappa(-1.0));
-    assert_eq!(error(Rule::MiscR { kappa: 0.7 }, 0.0), RuleError::MedianRange(0.0));
+    let no_range = RuleError::MedianRange { rule: "misc-r", got: 0.0 };
+    assert_eq!(error(Rule::MiscR { kappa: 0.7 }, 0.0), no_range);
     assert!(error(Rule::MiscR { kappa: f64::NAN }, 1.0).to_string().contains("finite"));
+    for (rule, words) in [
+        (Rule::LineGraph { start: 0.5, full: 0.4, most: 1.0 }, "at least as large as start, got 0.4"),
+        (
+            Rule::LineGraph { start: 0.5, full: 0.6, most: 1.1 },
+            "most of rule line-graph must be a number in [0, 1]",
+        ),
+        (Rule::Threshold { confidence: f64::NAN }, "confidence of rule threshold"),
+        (Rule::Hindsight { likeness: -1.0 }, "at least 0"),
+        (Rule::MiscH { kappa: 1.0, release: 2.0 }, "release of rule misc-h"),
+        (Rule::SafeNearest { hold: 501, horizon: 3 }, "from 0 to 500, got 501"),
+    ] {
+        let error = error(rule, 1.0).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn a_rule_is_found_by_its_word_and_set_by_its_parameters_names() {
+    for rule in Rule::USUAL {
+        assert_eq!(Rule::named(rule.word()), Ok(rule));
+        let set = |rule: Rule, (name, value): (&str, f64)| rule.with(name, value).unwrap();
+        let doubled = rule.parameters().into_iter().map(|(name, value)| (name, value * 2.0));
+        let changed = doubled.clone().fold(rule, set);
+        assert_eq!(changed.parameters(), doubled.collect::<Vec<_>>());
+        let written = serde_json::to_value(rule).unwrap();
+        assert_eq!(written["rule"], rule.word());
+        assert_eq!(serde_json::from_value::<Rule>(written).unwrap(), rule);
+        assert!(rule.arbiter(1.0).is_ok());
+    }
+    let unknown = Rule::named("mics").unwrap_err().to_string();
+    assert!(unknown.contains("\"mics\"") && unknown.contains("misc-r"), "{unknown}");
+    let foreign = Rule::Threshold { confidence: 0.5 }.with("alpha", 0.5).unwrap_err().to_string();
+    assert_eq!(foreign, "the rule threshold has no alpha; it has: confidence");
+    assert!(Rule::SafeNearest { hold: 1, horizon: 2 }.with("hold", 1.5).is_err(), "half a tick");
+}
+
+#[test]
+fn the_line_graph_is_nothing_then_a_line_then_constant() {
+    let rule = Rule::LineGraph { start: 0.25, full: 0.75, most: 0.5 };
+    for (confidence, weight) in [(0.0, 0.0), (0.25, 0.0), (0.5, 0.25), (0.75, 0.5), (1.0, 0.5)] {
+        assert_eq!(decide(rule, &three(confidence)).0, Pick::Blend { robot: 2, weight });
+    }
+    let lasc = Rule::LineGraph { start: 0.0, full: 1.0, most: 1.0 };
+    assert_eq!(decide(lasc, &three(0.3)), decide(Rule::Lasc, &three(0.3)));
+    let step = Rule::LineGraph { start: 0.5, full: 0.5, most: 1.0 };
+    assert_eq!(decide(step, &three(0.6)).0, Pick::Blend { robot: 2, weight: 1.0 });
+}
+
+#[test]
+fn the_threshold_takes_over_above_its_confidence_and_not_at_it() {
+    let rule = Rule::Threshold { confidence: 0.5 };
+    assert_eq!(decide(rule, &three(0.5)).0, Pick::Asked);
+    assert_eq!(decide(rule, &three(0.51)).0, Pick::Candidate(2));
+}
+
+/// A decision with values for every goal, of which the first is the inferred one.
+fn decide_for(rule: Rule, of_goals: &[[f32; 3]], probabilities: &[f32], asked: usize) -> Pick {
+    let candidates = (0..3).map(Action::Command).collect();
+    let values = ActionValues::new(candidates, of_goals[0].to_vec()).unwrap();
+    let belief = Belief::from_probabilities(probabilities);
+    let likeness = [0, 1, 2].map(|i| {
+        let same = i == asked;
+        Likeness { similarity: if same { 1.0 } else { 0.0 }, same_label: same, same_effect: same }
+    });
+    let all = of_goals.concat();
+    let mut stage = Stage::new(&values, Some(&likeness), &belief);
+    stage.of_goals = GoalValues::new(&all, 3);
+    let arbiter = rule.arbiter(1.0).unwrap();
+    assert!(arbiter.needs().every_goal);
+    arbiter.decide(&stage, &mut [false; 3])
+}
+
+#[test]
+fn hindsight_hedges_between_the_goals_and_pays_for_departing_from_what_is_asked() {
+    // The first goal wants 0, the second 2; action 1 is nearly as good for both.
+    let goals = [[1.0, 0.8, 0.0], [0.0, 0.8, 1.0]];
+    let pick = |likeness, p: [f32; 2], asked| decide_for(Rule::Hindsight { likeness }, &goals, &p, asked);
+    assert_eq!(pick(0.0, [0.5, 0.5], 0), Pick::Candidate(1));
+    assert_eq!(pick(0.0, [0.95, 0.05], 2), Pick::Candidate(0));
+    assert_eq!(pick(0.2, [0.5, 0.5], 0), Pick::Candidate(1), "0.5 + 0.2 is less than 0.8");
+    assert_eq!(pick(0.4, [0.5, 0.5], 0), Pick::Candidate(0), "0.5 + 0.4 is more than 0.8");
+}
+
+#[test]
+fn the_robot_acts_only_if_it_is_better_whatever_the_goal() {
+    let agreed = [[1.0, 0.5, 0.0], [0.6, 0.2, 0.0]];
+    assert_eq!(decide_for(Rule::Ida, &agreed, &[0.5, 0.5], 2), Pick::Candidate(0));
+    let torn = [[1.0, 0.5, 0.0], [0.0, 0.2, 0.1]];
+    assert_eq!(
+        decide_for(Rule::Ida, &torn, &[0.99, 0.01], 2),
+        Pick::Asked,
+        "however unlikely the second goal"
+    );
+    let tied = [[1.0, 1.0, 0.0], [0.6, 0.6, 0.0]];
+    assert_eq!(decide_for(Rule::Ida, &tied, &[0.5, 0.5], 1), Pick::Asked, "as good is not better");
+}
+
+#[test]
+fn hedged_regret_excuses_what_is_good_for_a_likely_goal_and_holds_on_after_an_intervention() {
+    let goals = [[1.0, 0.4, 0.0], [0.0, 0.4, 1.0]];
+    let pick = |kappa, p: [f32; 2]| decide_for(Rule::MiscH { kappa, release: 0.5 }, &goals, &p, 2);
+    assert_eq!(pick(0.6, [0.75, 0.25]), Pick::Candidate(2), "0.75 − 0.25 is less than 0.6");
+    assert_eq!(pick(0.4, [0.75, 0.25]), Pick::Candidate(0), "and more than 0.4");
+    assert_eq!(pick(0.4, [0.5, 0.5]), Pick::Candidate(2), "as good as any on average");
+
+    let case = three(0.5);
+    let values = ActionValues::new((0..3).map(Action::Command).collect(), vec![0.4, 0.0, 1.0]).unwrap();
+    let belief = believed(0.5);
+    let mut stage = Stage::new(&values, Some(&case.likeness), &belief);
+    let rule = Rule::MiscH { kappa: 1.0, release: 0.5 }.arbiter(1.0).unwrap();
+    assert_eq!(rule.decide(&stage, &mut [false; 3]), Pick::Candidate(0), "0.6 is less than 1");
+    let last = Last { asked: None, executed: None, intervened: true };
+    stage.last = Some(last);
+    assert_eq!(rule.decide(&stage, &mut [false; 3]), Pick::Candidate(2), "and more than the half of it");
+    stage.last = Some(Last { intervened: false, ..last });
+    assert_eq!(rule.decide(&stage, &mut [false; 3]), Pick::Candidate(0));
+}
+
+/// Knows which candidates are safe, and how often it was asked.
+struct Oracle {
+    safe: [bool; 3],
+    asked: std::cell::RefCell<Vec<usize>>,
+}
+
+impl LookAhead for Oracle {
+    fn is_safe(&self, candidate: usize, _hold: u32, _horizon: u32) -> bool {
+        self.asked.borrow_mut().push(candidate);
+        self.safe[candidate]
+    }
+}
+
+#[test]
+fn safe_nearest_tries_the_nearest_first_and_stops_at_the_first_that_is_safe() {
+    let tried = |safe, likeness: bool| {
+        let case = three(0.5);
+        let values = ActionValues::new((0..3).map(Action::Command).collect(), case.values).unwrap();
+        let (belief, ahead) = (believed(0.5), Oracle { safe, asked: Vec::new().into() });
+        let mut stage = Stage::new(&values, likeness.then_some(&case.likeness), &belief);
+        stage.ahead = Some(&ahead);
+        let mut allowed = [false; 3];
+        let arbiter = Rule::SafeNearest { hold: 5, horizon: 30 }.arbiter(1.0).unwrap();
+        assert!(arbiter.needs().look_ahead);
+        let pick = arbiter.decide(&stage, &mut allowed);
+        (pick, allowed, ahead.asked.into_inner())
+    };
+    assert_eq!(tried([true; 3], true), (Pick::Candidate(0), [true, false, false], vec![0]));
+    assert_eq!(tried([false, true, true], true), (Pick::Candidate(1), [false, true, false], vec![0, 1]));
+    assert_eq!(tried([false; 3], true), (Pick::Candidate(2), [false, false, true], vec![0, 1, 2]));
+    assert_eq!(
+        tried([true; 3], false),
+        (Pick::Candidate(2), [false, false, true], vec![]),
+        "nothing is asked"
+    );
 }

@@ -174,9 +174,7 @@ class SimulatedPilot:
 class Rule:
     """A rule of arbitration; :class:`cohelm.Rule` is the one to use."""
 
-    def __init__(
-        self, name: str, *, alpha: float | None = None, kappa: float | None = None, median_range: float | None = None
-    ) -> None: ...
+    def __init__(self, name: str, parameters: dict[str, float], *, median_range: float | None = None) -> None: ...
     @property
     def name(self) -> str:
         """The rule's word."""
@@ -186,6 +184,7 @@ class Rule:
         confidence: NDArray[np.float32],
         asked: NDArray[np.int64],
         similarity: NDArray[np.float32],
+        goals: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None,
     ) -> NDArray[np.int64]:
         """The index decided for each row, -1 for nothing."""
     def decide_among(
@@ -194,6 +193,7 @@ class Rule:
         candidates: NDArray[np.float32],
         confidence: float,
         asked: NDArray[np.float32] | None = None,
+        goals: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None,
     ) -> NDArray[np.float32] | None:
         """The action carried out, of sampled ones."""
 

@@ -16,9 +16,22 @@ _NOTHING = -1
 class Rule:
     """A rule of arbitration with its parameters.
 
-    ``name`` is ``"hic"`` (human alone), ``"robot"``, ``"lasc"`` (linear), ``"misc"`` (minimal intervention, Eqs. 3-4
-    of the paper), ``"tolerance"`` (constant tolerance ``alpha`` in [0, 1]) or ``"misc-r"`` (regret of at most
-    ``kappa * median_range``; ``median_range`` is the median over states of max Q - min Q, in the values' units).
+    ``name`` is one of these words; parameters that are left out have their usual values:
+
+    - ``"hic"`` (human alone), ``"robot"`` (robot alone), ``"lasc"`` (linear)
+    - ``"line-graph"``: a blend, linear between the confidences ``start`` and ``full``, at most ``most``
+    - ``"threshold"``: the robot takes over above a ``confidence``
+    - ``"hindsight"``: the best action on average over the goals, ``likeness`` to what is asked being worth so many
+      median ranges
+    - ``"misc"`` (minimal intervention, Eqs. 3-4 of the paper), ``"tolerance"`` (constant tolerance ``alpha``)
+    - ``"misc-r"``: regret of at most ``kappa * median_range``
+    - ``"misc-h"``: the same over all goals by how likely they are, and ``release`` of ``kappa`` after an intervention (in
+      ``decide`` every row is taken for one without an intervention before it)
+    - ``"ida"``: the robot's action if it is better for every goal
+    - ``"safe-nearest"``: the nearest action that flights ahead find safe (``hold``, ``horizon`` in ticks); only in a
+      ``World``, as it needs a copy of the plant
+
+    ``median_range`` is the median over states of max Q - min Q, in the values' units; 1 if left out.
 
     >>> rule = Rule("misc")
     >>> rule.decide([0.0, 0.9, 1.0], confidence=0.8, asked=1)
@@ -27,28 +40,22 @@ class Rule:
     2
     """
 
-    def __init__(
-        self,
-        name: str,
-        *,
-        alpha: float | None = None,
-        kappa: float | None = None,
-        median_range: float | None = None,
-    ) -> None:
-        self._arguments = {"alpha": alpha, "kappa": kappa, "median_range": median_range}
-        self.native = _Rule(name, alpha=alpha, kappa=kappa, median_range=median_range)
+    def __init__(self, name: str, *, median_range: float | None = None, **parameters: float) -> None:
+        self._parameters = parameters
+        self._median_range = median_range
+        self.native = _Rule(name, parameters, median_range=median_range)
 
     @property
     def name(self) -> str:
         """The rule's word."""
         return self.native.name
 
-    def __getstate__(self) -> tuple[str, dict[str, float | None]]:
-        return self.name, self._arguments
+    def __getstate__(self) -> tuple[str, float | None, dict[str, float]]:
+        return self.name, self._median_range, self._parameters
 
-    def __setstate__(self, state: tuple[str, dict[str, float | None]]) -> None:
-        name, arguments = state
-        self.__init__(name, **arguments)  # type: ignore[misc]
+    def __setstate__(self, state: tuple[str, float | None, dict[str, float]]) -> None:
+        name, median_range, parameters = state
+        self.__init__(name, median_range=median_range, **parameters)  # type: ignore[misc]
 
     def __repr__(self) -> str:
         return repr(self.native)
@@ -60,6 +67,8 @@ class Rule:
         asked: ArrayLike | None,
         *,
         similarity: ArrayLike | None = None,
+        goal_values: ArrayLike | None = None,
+        probabilities: ArrayLike | None = None,
     ) -> int | NDArray[np.int64] | None:
         """The action to carry out, given what every action is worth.
 
@@ -74,6 +83,9 @@ class Rule:
         similarity
             f(a, asked) of Eq. 4: shape (actions, actions). Without it an action is like itself alone, and ties go to
             the higher value.
+        goal_values, probabilities
+            For the rules that weigh all goals (hindsight, misc-h, ida): Q_g(s, a) for every goal, shape (goals, actions) or
+            (rows, goals, actions), and how likely each goal is, shape (goals,) or (rows, goals).
 
         Returns
         -------
@@ -93,23 +105,35 @@ class Rule:
             _spread(_floats(confidence, "confidence"), count),
             _spread(indices.astype(np.int64), count),
             np.atleast_2d(likeness),
+            _of_goals(goal_values, probabilities, table.ndim == 2),
         )
         if table.ndim == 2:
             return decided
         return None if decided[0] == _NOTHING else int(decided[0])
 
     def decide_among(
-        self, values: ArrayLike, candidates: ArrayLike, confidence: float, asked: ArrayLike | None
+        self,
+        values: ArrayLike,
+        candidates: ArrayLike,
+        confidence: float,
+        asked: ArrayLike | None,
+        *,
+        goal_values: ArrayLike | None = None,
+        probabilities: ArrayLike | None = None,
     ) -> NDArray[np.float32] | None:
         """The action to carry out among sampled actions of a continuous space.
 
         ``candidates`` has shape (n, dimensions), ``values`` shape (n,), ``asked`` shape (dimensions,) or is ``None``.
         f of Eq. 4 is minus the Euclidean distance, so put what the person asks for among the candidates. LASC blends:
-        c * robot + (1 - c) * asked.
+        c * robot + (1 - c) * asked. ``goal_values`` has shape (goals, n), ``probabilities`` (goals,).
         """
         wanted = None if asked is None else _floats(asked, "asked")
         return self.native.decide_among(
-            _floats(values, "values"), _floats(candidates, "candidates"), float(confidence), wanted
+            _floats(values, "values"),
+            _floats(candidates, "candidates"),
+            float(confidence),
+            wanted,
+            _of_goals(goal_values, probabilities, False),
         )
 
 
@@ -118,6 +142,22 @@ def _floats(numbers: ArrayLike, what: str) -> NDArray[np.float32]:
         return np.ascontiguousarray(numbers, dtype=np.float32)
     except (TypeError, ValueError) as error:
         raise ArrayError(f"{what} cannot be read as an array of numbers: {error}") from error
+
+
+def _of_goals(
+    goal_values: ArrayLike | None, probabilities: ArrayLike | None, batch: bool
+) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+    """Values and probabilities of the goals with a first axis of rows."""
+    if goal_values is None and probabilities is None:
+        return None
+    if goal_values is None or probabilities is None:
+        raise ArrayError("goal_values and probabilities belong together; one of them is missing")
+    values, likely = _floats(goal_values, "goal_values"), _floats(probabilities, "probabilities")
+    expected = (3, 2) if batch else (2, 1)
+    if (values.ndim, likely.ndim) != expected:
+        shapes = "(rows, goals, actions) and (rows, goals)" if batch else "(goals, actions) and (goals,)"
+        raise ArrayError(f"goal_values and probabilities have shapes {shapes}, got {values.shape} and {likely.shape}")
+    return (values, likely) if batch else (values[None], likely[None])
 
 
 def _spread(numbers: NDArray[Any], count: int) -> NDArray[Any]:

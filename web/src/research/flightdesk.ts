@@ -199,9 +199,7 @@ export class FlightDeskView implements DeskView {
         intent: own ?? usual.intent,
         imagined: imagined ?? opened.hangar.crew(setup.task, '', 'imagined').intent,
       };
-      await opened.hangar
-        .equip(opened.second, [...Object.values(models), setup.values, setup.intent])
-        .catch(() => {});
+      await opened.hangar.equip(opened.second, [...Object.values(models), setup.values, setup.intent]).catch(() => {});
       if (this.gone) return;
       opened.second.watch(opened.bytes);
       const ground = { setup, models, pilots: opened.second.pilots() };

@@ -2,7 +2,7 @@
 
 import { type Hands, type Inference, needsNetwork, type Rule, type Setup, type Wish } from '../core';
 import { button, element, select } from '../dom';
-import { RULE_NAMES } from '../words';
+import { RULE_NAMES, parametersOf } from '../words';
 
 /** Rules as they are offered; the record's own comes first. */
 const RULES: Rule[] = [
@@ -11,6 +11,12 @@ const RULES: Rule[] = [
   { rule: 'misc' },
   { rule: 'misc-r', kappa: 0.7 },
   { rule: 'tolerance', alpha: 0.6 },
+  { rule: 'line-graph', start: 0.2, full: 0.8, most: 1 },
+  { rule: 'threshold', confidence: 0.6 },
+  { rule: 'hindsight', likeness: 0 },
+  { rule: 'misc-h', kappa: 1.25, release: 0.5 },
+  { rule: 'ida' },
+  { rule: 'safe-nearest', hold: 10, horizon: 80 },
   { rule: 'robot' },
 ];
 const INFERENCES: [Inference, string][] = [
@@ -24,9 +30,9 @@ const INFERENCES: [Inference, string][] = [
   ['known', 'told the goal'],
 ];
 
-export function ruleWords({ rule, kappa, alpha }: Rule): string {
-  const number = kappa !== undefined ? ` κ ${kappa}` : alpha !== undefined ? ` α ${alpha}` : '';
-  return RULE_NAMES[rule] + number;
+export function ruleWords(rule: Rule): string {
+  const parameters = parametersOf(rule);
+  return RULE_NAMES[rule.rule] + (parameters ? ` ${parameters}` : '');
 }
 
 export function handsWords(hands: Hands): string {
@@ -84,7 +90,8 @@ export class WhatIfBar {
     const rules = [setup.rule, ...RULES.filter((rule) => JSON.stringify(rule) !== own)];
     this.rule = rules.find(({ rule }) => rule !== setup.rule.rule && ['lasc', 'misc'].includes(rule)) ?? rules[1]!;
     const inferences = INFERENCES.filter(
-      ([inference]) => inference === setup.inference || !needsNetwork(inference) || networkFor(models, inference) !== null,
+      ([inference]) =>
+        inference === setup.inference || !needsNetwork(inference) || networkFor(models, inference) !== null,
     );
     this.who.addEventListener('change', () => this.choose({}));
     this.node.append(

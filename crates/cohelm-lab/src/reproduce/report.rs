@@ -223,6 +223,7 @@ fn trade_off(results: &Results<'_>, subtitle: &str) -> Result<Figure, FigureErro
         y: (Axis::share("Success rate"), Better::Higher),
         conditions: looks(results),
         points: results.conditions.iter().enumerate().filter_map(point).collect(),
+        behind: None,
     };
     scatter.figure()
 }

@@ -5,7 +5,7 @@ use super::job::{Code, Flights, Job, Training, Work};
 use super::run::Lab;
 use crate::experiment::{Experiment, Rig};
 use cohelm::action::ActionSpace;
-use cohelm::arbitration::{DEFAULT_KAPPA, Rule};
+use cohelm::arbitration::Rule;
 use cohelm::human::Population;
 use cohelm::intent::Inference;
 use cohelm::pilot::Pilot;
@@ -19,8 +19,6 @@ use std::collections::BTreeMap;
 
 /// The version of the file's format.
 const FORMAT: u32 = 1;
-/// α of a rule that is named only.
-const USUAL_ALPHA: f64 = 0.4;
 /// Most jobs of one sweep: their plan is one file.
 const MOST_JOBS: usize = 1_000_000;
 
@@ -336,25 +334,12 @@ impl Seeds {
 
 impl RuleWord {
     fn rule(&self) -> Result<Rule, SweepError> {
-        let name = match self {
-            Self::Full(rule) => return Ok(*rule),
-            Self::Name(name) => name,
-        };
-        Ok(match name.as_str() {
-            "hic" => Rule::Hic,
-            "robot" => Rule::Robot,
-            "lasc" => Rule::Lasc,
-            "misc" => Rule::Misc,
-            "tolerance" => Rule::Tolerance { alpha: USUAL_ALPHA },
-            "misc-r" => Rule::MiscR { kappa: DEFAULT_KAPPA },
-            _ => {
-                let known = "hic, robot, lasc, misc, tolerance, misc-r";
-                return Err(Description::wrong(
-                    "[fly] rules",
-                    format!("no rule is called {name:?}; there are: {known}"),
-                ));
+        match self {
+            Self::Full(rule) => Ok(*rule),
+            Self::Name(name) => {
+                Rule::named(name).map_err(|error| Description::wrong("[fly] rules", error.to_string()))
             }
-        })
+        }
     }
 }
 
@@ -394,11 +379,8 @@ fn enough(jobs: usize) -> Result<(), SweepError> {
 }
 
 fn describe(rule: &Rule) -> String {
-    match rule {
-        Rule::Tolerance { alpha } => format!("tolerance {alpha}"),
-        Rule::MiscR { kappa } => format!("misc-r {kappa}"),
-        rule => rule.word().into(),
-    }
+    let values = rule.parameters().into_iter().map(|(_, value)| value.to_string());
+    std::iter::once(rule.word().to_string()).chain(values).collect::<Vec<_>>().join(" ")
 }
 
 fn word_of(head: &Inference) -> String {

@@ -224,6 +224,7 @@ impl Group<'_> {
             y: (Axis::share("Success rate"), Better::Higher),
             conditions: Conditions::in_order(conditions.iter().copied()),
             points: conditions.iter().enumerate().filter_map(point).collect(),
+            behind: None,
         };
         Ok(figure.figure()?)
     }

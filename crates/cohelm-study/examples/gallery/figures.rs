@@ -186,6 +186,7 @@ pub fn pareto() -> Outcome<Figure> {
             })
             .collect(),
         conditions,
+        behind: None,
     }
     .figure()?)
 }

@@ -2,7 +2,7 @@
 
 use super::Words;
 use super::text::described_by;
-use cohelm::arbitration::{DEFAULT_KAPPA, Rule};
+use cohelm::arbitration::Rule;
 use cohelm::cockpit::Silence;
 use cohelm::intent::Inference;
 use cohelm::registry::Task;
@@ -122,12 +122,45 @@ enum RuleName {
     Robot,
     /// Linear arbitration: the robot's action if the confidence is above one half, otherwise the person's.
     Lasc,
+    /// A blend whose weight follows a broken line over the confidence; takes `start`, `full` and `most`.
+    LineGraph,
+    /// The robot takes over above a confidence; takes `confidence`.
+    Threshold,
+    /// The best action on average over the goals (QMDP); takes `likeness`.
+    Hindsight,
     /// Minimal intervention, the paper's Eqs. 3 and 4.
     Misc,
     /// Constant tolerance; needs `alpha`.
     Tolerance,
     /// Minimal intervention with a regret threshold; takes `kappa`.
     MiscR,
+    /// Minimal intervention by regret, averaged over the goals and with hysteresis; takes `kappa` and `release`.
+    MiscH,
+    /// The robot's action, if it is better than the person's for every goal.
+    Ida,
+    /// The nearest action that flights ahead find safe; takes `hold` and `horizon`. Needs a plant that can be copied.
+    SafeNearest,
+}
+
+impl RuleName {
+    /// The rule with its usual parameters.
+    fn usual(self) -> Rule {
+        let word = match self {
+            Self::Hic => "hic",
+            Self::Robot => "robot",
+            Self::Lasc => "lasc",
+            Self::LineGraph => "line-graph",
+            Self::Threshold => "threshold",
+            Self::Hindsight => "hindsight",
+            Self::Misc => "misc",
+            Self::Tolerance => "tolerance",
+            Self::MiscR => "misc-r",
+            Self::MiscH => "misc-h",
+            Self::Ida => "ida",
+            Self::SafeNearest => "safe-nearest",
+        };
+        Rule::named(word).expect("every name here is a rule's word")
+    }
 }
 
 /// Where the belief about the goal comes from.
@@ -176,8 +209,24 @@ struct ConditionTable {
     rule: RuleName,
     /// tolerance: 0 allows only a best action, 1 every action. Usual: 0.5 to 0.8.
     alpha: Option<f64>,
-    /// misc-r: regret allowed, in median ranges of the values; larger lets more through. Usual: 0.5 to 1.5. Default: 0.7.
+    /// misc-r, misc-h: regret allowed, in median ranges of the values. Usual: 0.5 to 1.5. Default: 0.7, 1.25 for misc-h.
     kappa: Option<f64>,
+    /// misc-h: share of `kappa` allowed at the tick after an intervention, 0 to 1; less holds on longer. Default: 0.5.
+    release: Option<f64>,
+    /// line-graph: confidence up to which the person alone flies, 0 to 1. Default: 0.2.
+    start: Option<f64>,
+    /// line-graph: confidence from which the robot has its largest weight, `start` to 1. Default: 0.8.
+    full: Option<f64>,
+    /// line-graph: the robot's largest weight, 0 to 1. Default: 1.
+    most: Option<f64>,
+    /// threshold: confidence above which the robot takes over, 0 to 1. Default: 0.6.
+    confidence: Option<f64>,
+    /// hindsight: what likeness to what is asked is worth, in median ranges of the values; 0 is plain QMDP. Default: 0.
+    likeness: Option<f64>,
+    /// safe-nearest: ticks for which an action is thought to be held, 0 to 500; more steps in earlier. Default: 10.
+    hold: Option<f64>,
+    /// safe-nearest: ticks flown ahead, 0 to 500. Default: 80.
+    horizon: Option<f64>,
     /// Where the belief about the goal comes from. Default: calibrated.
     #[serde(default)]
     inference: InferenceName,
@@ -233,37 +282,30 @@ impl TryFrom<ConditionTable> for Condition {
 
 impl ConditionTable {
     fn rule(&self) -> Result<Rule, String> {
-        if self.alpha.is_some() && !matches!(self.rule, RuleName::Tolerance) {
-            return Err("`alpha` belongs to rule tolerance alone".to_owned());
+        if matches!(self.rule, RuleName::Tolerance) && self.alpha.is_none() {
+            return Err(
+                "rule tolerance needs `alpha` in 0 to 1 (0: only a best action, 1: every action), got none"
+                    .into(),
+            );
         }
-        if self.kappa.is_some() && !matches!(self.rule, RuleName::MiscR) {
-            return Err("`kappa` belongs to rule misc-r alone".to_owned());
-        }
-        match self.rule {
-            RuleName::Hic => Ok(Rule::Hic),
-            RuleName::Robot => Ok(Rule::Robot),
-            RuleName::Lasc => Ok(Rule::Lasc),
-            RuleName::Misc => Ok(Rule::Misc),
-            RuleName::Tolerance => tolerance(self.alpha),
-            RuleName::MiscR => regret(self.kappa.unwrap_or(DEFAULT_KAPPA)),
-        }
-    }
-}
-
-fn tolerance(alpha: Option<f64>) -> Result<Rule, String> {
-    let expected = "rule tolerance needs `alpha` in 0 to 1 (0: only a best action, 1: every action)";
-    match alpha {
-        Some(alpha) if (0.0..=1.0).contains(&alpha) => Ok(Rule::Tolerance { alpha }),
-        Some(other) => Err(format!("{expected}, got {other}")),
-        None => Err(format!("{expected}, got none")),
-    }
-}
-
-fn regret(kappa: f64) -> Result<Rule, String> {
-    if kappa.is_finite() && kappa >= 0.0 {
-        Ok(Rule::MiscR { kappa })
-    } else {
-        Err(format!("`kappa` must be a finite number of at least 0 (usual: 0.5 to 1.5), got {kappa}"))
+        let parameters = [
+            ("alpha", self.alpha),
+            ("kappa", self.kappa),
+            ("release", self.release),
+            ("start", self.start),
+            ("full", self.full),
+            ("most", self.most),
+            ("confidence", self.confidence),
+            ("likeness", self.likeness),
+            ("hold", self.hold),
+            ("horizon", self.horizon),
+        ];
+        let given = parameters.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        let rule =
+            given.into_iter().try_fold(self.rule.usual(), |rule, (name, value)| rule.with(name, value));
+        // The models come later: here only the parameters are looked at, whatever the values' range.
+        let checked = rule.and_then(|rule| rule.arbiter(1.0).map(|_| rule));
+        checked.map_err(|error| error.to_string())
     }
 }
 

@@ -253,15 +253,8 @@ fn conditions(design: &Design) -> Table {
 }
 
 fn rule_words(condition: &Condition) -> String {
-    let words = match condition.rule {
-        Rule::Hic => "human alone".to_owned(),
-        Rule::Robot => "robot alone".to_owned(),
-        Rule::Lasc => "linear arbitration".to_owned(),
-        Rule::Misc => "minimal intervention".to_owned(),
-        Rule::Tolerance { alpha } => format!("constant tolerance, α = {alpha}"),
-        Rule::MiscR { kappa } => format!("minimal intervention by regret, κ = {kappa}"),
-    };
-    if condition.learning { format!("{words}, learning") } else { words }
+    let words = condition.rule;
+    if condition.learning { format!("{words}, learning") } else { words.to_string() }
 }
 
 fn inference_words(condition: &Condition) -> &'static str {

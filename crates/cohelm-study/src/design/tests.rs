@@ -101,7 +101,11 @@ fn what_a_file_must_keep_to_is_told_with_its_place() {
             "language \"de\" is not among `languages`: en",
         ),
         ("en = \"Landing with help\"", "fr = \"Atterrir\"", "no text in the first language, en"),
-        ("rule = \"lasc\"", "rule = \"lasc\"\nalpha = 0.5", "`alpha` belongs to rule tolerance alone"),
+        (
+            "rule = \"lasc\"",
+            "rule = \"lasc\"\nalpha = 0.5",
+            "the rule lasc has no alpha; it has no parameters",
+        ),
         ("rule = \"lasc\"", "rule = \"tolerance\"", "needs `alpha` in 0 to 1"),
         (
             "kind = \"number\"\nleast = 18",

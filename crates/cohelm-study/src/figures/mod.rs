@@ -28,7 +28,7 @@ pub use curves::{Curve, CurvePanel, Curves};
 pub use flow::{Flow, Stage};
 pub use frame::Heading;
 pub use palette::{Colour, Condition, Conditions, Marker};
-pub use pareto::{Better, ParetoPoint, ParetoScatter};
+pub use pareto::{Behind, Better, ParetoPoint, ParetoScatter};
 pub use reliability::{Bin, Reliability};
 pub use slopes::PairedSlopes;
 pub(crate) use svg::{escaped, font_faces};

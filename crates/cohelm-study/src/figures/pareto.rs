@@ -44,6 +44,17 @@ pub struct ParetoScatter {
     pub conditions: Conditions,
     /// The points.
     pub points: Vec<ParetoPoint>,
+    /// A curve to read the points against, if there is one.
+    pub behind: Option<Behind>,
+}
+
+/// A curve behind the points, such as what one parameter alone reaches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Behind {
+    /// What it is, in a few words; written below the figure's head.
+    pub name: String,
+    /// Its corners, in order.
+    pub line: Vec<(f64, f64)>,
 }
 
 const WIDTH: f64 = 960.0;
@@ -62,8 +73,11 @@ impl ParetoScatter {
             return Err(FigureError::Length { of: "conditions", expected, found });
         }
         let ends = |i: Option<Interval>| i.into_iter().flat_map(|i| [i.low, i.high]);
-        let x = self.x.0.scale(self.points.iter().flat_map(|p| ends(p.intervals.0).chain([p.at.0])), 6)?;
-        let y = self.y.0.scale(self.points.iter().flat_map(|p| ends(p.intervals.1).chain([p.at.1])), 6)?;
+        let line = || self.behind.iter().flat_map(|behind| &behind.line);
+        let xs = self.points.iter().flat_map(|p| ends(p.intervals.0).chain([p.at.0]));
+        let ys = self.points.iter().flat_map(|p| ends(p.intervals.1).chain([p.at.1]));
+        let x = self.x.0.scale(xs.chain(line().map(|at| at.0)), 6)?;
+        let y = self.y.0.scale(ys.chain(line().map(|at| at.1)), 6)?;
         let mut scene = Scene::new(WIDTH, HEIGHT);
         let top = frame::head(&mut scene, &self.heading, &Conditions::in_order([])) + 30.0;
         let area = Area {
@@ -76,6 +90,7 @@ impl ParetoScatter {
         frame::y_axis(&mut scene, &area, &y);
         frame::x_axis(&mut scene, &area, &x);
         frame::x_title(&mut scene, &area, &self.x.0.title);
+        self.draw_behind(&mut scene, &area, (&x, &y));
         let front = self.draw_front(&mut scene, &area, &x, &y);
         self.draw_points(&mut scene, &area, (&x, &y), &front);
         self.draw_compass(&mut scene, &area);
@@ -91,6 +106,19 @@ impl ParetoScatter {
         let mut front: Vec<usize> = (0..self.points.len()).filter(|&i| !beaten(&self.points[i])).collect();
         front.sort_by(|&i, &j| self.points[i].at.0.total_cmp(&self.points[j].at.0));
         front
+    }
+
+    /// Draws the curve behind the points, with its corners, and says what it is.
+    fn draw_behind(&self, scene: &mut Scene, area: &Area, (x, y): (&Scale, &Scale)) {
+        let Some(behind) = &self.behind else { return };
+        let corners: Vec<(f64, f64)> =
+            behind.line.iter().map(|at| (area.x(x, at.0), area.y(y, at.1))).collect();
+        scene.line(corners.clone(), Stroke::solid(Colour::GREY, 5.0).faded(0.45));
+        for at in corners {
+            scene.line([(at.0 - 4.0, at.1), (at.0 + 4.0, at.1)], Stroke::solid(Colour::GREY, 4.0).faded(0.8));
+        }
+        let name = format!("grey line: {}", behind.name);
+        scene.label(Label::new(name, area.left, area.top - 17.0, SMALL).quiet());
     }
 
     /// Draws the front as steps; returns its corners.
@@ -269,8 +297,10 @@ mod tests {
                 point("twin of fair", (0.4, 0.9)),
                 point("cheap", (0.1, 0.3)),
             ],
+            behind: Some(Behind { name: "a line".into(), line: vec![(0.0, 0.2), (0.9, 0.9)] }),
         };
         assert_eq!(scatter.front(), [4, 2, 3, 0]);
+        assert!(scatter.figure().unwrap().svg().contains("grey line: a line"));
         assert!(scatter.figure().unwrap().csv().to_string().contains("beaten,a,0.6,,,0.8,,,false"));
     }
 }

@@ -3,6 +3,7 @@
 use super::Check;
 use crate::design::{AnswerKind, Design, Item, Words, defaults};
 use crate::questionnaires::Questionnaire;
+use cohelm::arbitration::Rule;
 
 /// Every text of a design that participants read, with where it stands.
 pub(in crate::design) fn texts(design: &Design) -> Vec<(String, &Words)> {
@@ -142,12 +143,12 @@ impl Check<'_> {
 
     /// What a participant reads must not tell the rule: it would be believed rather than felt.
     fn label(&mut self, path: &str, label: &Words) {
-        const TELLING: [&str; 8] =
-            ["hic", "lasc", "misc", "misc-r", "tolerance", "robot", "human alone", "autonomy"];
+        const ALSO: [&str; 2] = ["human alone", "autonomy"];
         for text in label.all() {
             let lower = text.to_lowercase();
             let words: Vec<&str> = lower.split(|c: char| !(c.is_alphanumeric() || c == '-')).collect();
-            let tells = TELLING.iter().find(|telling| {
+            let mut telling = Rule::USUAL.iter().map(|rule| rule.word()).chain(ALSO);
+            let tells = telling.find(|telling| {
                 words.contains(telling) || (telling.contains(' ') && lower.contains(*telling))
             });
             let message =

@@ -79,14 +79,13 @@ fn conditions(study: &Study<'_>) -> Table {
 /// A rule in a few words.
 fn rule(rule: &Rule) -> String {
     match rule {
-        Rule::Hic => "human alone".to_owned(),
-        Rule::Robot => "robot alone".to_owned(),
         Rule::Lasc => "linear arbitration (LASC)".to_owned(),
         Rule::Misc => "minimal intervention (MISC)".to_owned(),
         Rule::Tolerance { alpha } => format!("constant tolerance, α = {}", apa::number(*alpha, 2)),
         Rule::MiscR { kappa } => {
             format!("minimal intervention by regret (MISC-R), κ = {}", apa::number(*kappa, 2))
         }
+        rule => rule.to_string(),
     }
 }
 
