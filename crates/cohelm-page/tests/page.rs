@@ -5,7 +5,7 @@ use cohelm::cockpit::Silence;
 use cohelm::flight::Flight;
 use cohelm::intent::Inference;
 use cohelm::keys::Change;
-use cohelm::registry::Task;
+use cohelm::registry::{PlantEntry, Plants, Task};
 use cohelm::report::TickReport;
 use cohelm::trajectory::{Setup, Trajectory, read_events};
 use cohelm_copilot::Models;
@@ -149,9 +149,7 @@ fn what_is_wrong_is_refused_with_a_reason() {
     };
     assert!(refused(|s| s.plant_version = 9).contains("this program has version 1"));
     assert!(refused(|s| s.seed = u64::MAX).contains("seed"));
-    assert!(
-        refused(|s| s.task = Task::new("kite")).contains("there are: flag-lander, gymnasium-lander, point")
-    );
+    assert!(refused(|s| s.task = Task::new("kite")).contains("there are: flag-lander, gymnasium-lander, "));
     assert!(refused(|s| s.task = Task::new("point").with("wind", 3)).contains("no options"));
     assert!(refused(|s| s.rule = Rule::Tolerance { alpha: 2.0 }).contains("[0, 1]"));
     assert!(refused(|s| s.inference = Inference::Softmax).contains("intent model"));
@@ -244,11 +242,15 @@ fn a_branch_can_be_left_for_another_and_shows_its_own_rule() {
 
 #[test]
 fn whom_nobody_taught_the_keys_is_not_offered_and_is_refused() {
-    let (mut page, _) = watching(Rule::Misc);
+    let (_, record) = watching(Rule::Misc);
+    let mut plants = Plants::default();
+    plants.register(PlantEntry { skill: None, ..cohelm::point::entry() });
+    let mut page = Page::with_plants(plants);
+    page.watch(&record).unwrap();
     assert_eq!(page.pilots().unwrap(), [Hands::Recorded, Hands::Nobody, Hands::Greedy]);
     let person = serde_json::json!({ "pilot": "person", "population": "ordinary", "person": 0 });
     let error = page.branch(&wish(30, Rule::Misc, person)).unwrap_err().to_string();
-    assert!(error.contains("there is none for"), "{error}");
+    assert!(error.contains("has no simulated people"), "{error}");
     assert!(page.seek(40).unwrap().is_some(), "the record is still watched");
 }
 

@@ -88,8 +88,9 @@ describe('a branch', () => {
     await expect(flyBranch(other, original, wish(500, { rule: 'hic' }), () => true)).rejects.toThrow(CoreError);
   });
 
-  it('is offered to those alone who know the keys', () => {
-    expect(other.pilots()).toEqual([{ pilot: 'recorded' }, { pilot: 'nobody' }, { pilot: 'greedy' }]);
+  it('is offered to the recorded hands, to nobody, to the values and to people of every kind', () => {
+    expect(other.pilots().slice(0, 3)).toEqual([{ pilot: 'recorded' }, { pilot: 'nobody' }, { pilot: 'greedy' }]);
+    expect(other.pilots().slice(3).map((hands) => hands.pilot)).toEqual(Array(10).fill('person'));
   });
 });
 

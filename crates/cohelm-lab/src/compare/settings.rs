@@ -56,7 +56,9 @@ pub fn contenders() -> Vec<Vec<Setting>> {
                 .flat_map(|kappa| [0.25, 0.5, 1.0].map(|release| calibrated(Rule::MiscH { kappa, release })))
                 .collect(),
             // Two only: a flight costs thirty times that of any other rule.
-            Rule::SafeNearest { .. } => of([5, 20].map(|hold| Rule::SafeNearest { hold, horizon: 40 }).into()),
+            Rule::SafeNearest { .. } => {
+                of([5, 20].map(|hold| Rule::SafeNearest { hold, horizon: 40 }).into())
+            }
         }
     };
     Rule::USUAL.into_iter().map(settings).collect()

@@ -90,7 +90,7 @@ pub struct Condition {
 struct TaskTable {
     /// The plant's name, such as "flag-lander".
     plant: String,
-    /// The plant's own options; those left out have its defaults. `docs/lander.md` lists them.
+    /// The plant's own options; those left out have its defaults. `docs/lander.md` and `docs/plants.md` list them.
     #[serde(default = "no_options")]
     options: Value,
     /// How fast the world goes: 1 is real time, 0.5 half as fast, 0.1 to 3. Default: 1.
