@@ -46,7 +46,7 @@ impl Rule {
         Self::of(rule, median_range)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, Option<f64>))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
         let rule = serde_json::to_string(&slf.get().rule).map_err(|error| Kind::Run.error(error))?;
         Ok((slf.get_type().getattr("_unpickled")?, (rule, slf.get().median_range)))
     }
@@ -158,6 +158,9 @@ impl Rule {
         Ok(chosen.map(|chosen| PyArray1::from_vec(py, chosen)))
     }
 }
+
+/// What a rule is pickled as: its JSON, and the median range of its values.
+type Pickled = (String, Option<f64>);
 
 /// Values for every goal, rows × goals × actions, and the goals' probabilities, rows × goals.
 type OfGoals<'py> = (PyReadonlyArray3<'py, f32>, PyReadonlyArray2<'py, f32>);
