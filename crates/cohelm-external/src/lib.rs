@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`address`] | where the plant listens |
 //! | [`words`] | what is said over the socket |
-//! | [`line`] | one line out, one line in, before a deadline |
+//! | [`mod@line`] | one line out, one line in, before a deadline |
 //! | [`external`] | the plant at the other end, as a [`Plant`](cohelm::plant::Plant) |
 //! | [`other_end`] | the other end, for a simulator in Rust |
 //!

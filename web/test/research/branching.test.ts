@@ -90,7 +90,12 @@ describe('a branch', () => {
 
   it('is offered to the recorded hands, to nobody, to the values and to people of every kind', () => {
     expect(other.pilots().slice(0, 3)).toEqual([{ pilot: 'recorded' }, { pilot: 'nobody' }, { pilot: 'greedy' }]);
-    expect(other.pilots().slice(3).map((hands) => hands.pilot)).toEqual(Array(10).fill('person'));
+    expect(
+      other
+        .pilots()
+        .slice(3)
+        .map((hands) => hands.pilot),
+    ).toEqual(Array(10).fill('person'));
   });
 });
 

@@ -136,7 +136,7 @@ pub fn error(name: &str, error: sqlx::Error) -> StoreError {
     }
 }
 
-/// By code (https://www.postgresql.org/docs/current/errcodes-appendix.html); its first two characters are the class.
+/// By code (<https://www.postgresql.org/docs/current/errcodes-appendix.html>); its first two characters are the class.
 fn told_by_server(database: String, told: &PgDatabaseError) -> StoreError {
     let reason = told.message().to_owned();
     match (told.code(), told.table()) {
