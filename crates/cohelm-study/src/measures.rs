@@ -188,6 +188,17 @@ pub const OF_AN_EPISODE: [Measure<'static>; 14] = [
         decimals: 1,
     },
     Measure {
+        key: "replaced",
+        name: "replaced",
+        meaning: "How much of what was asked was replaced by something else, the mean over the ticks with a command: with \
+                  commands the same as interventions; on axes the distance of what was carried out from what was asked, as a \
+                  share of the longest distance that there is, because there nearly every help changes something.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "the pilot asked for nothing",
+        decimals: 1,
+    },
+    Measure {
         key: "nominal_interventions",
         name: "nominal interventions",
         meaning: "Share of the ticks with a command at which a command of another label was carried out, though perhaps \
