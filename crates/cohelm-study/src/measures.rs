@@ -118,7 +118,7 @@ impl Measure<'_> {
 pub const ENDINGS: [&str; 6] = ["goal", "elsewhere", "crash", "out-of-bounds", "time-limit", "abandoned"];
 
 /// The measures of one episode, in the order of the columns.
-pub const OF_AN_EPISODE: [Measure<'static>; 14] = [
+pub const OF_AN_EPISODE: [Measure<'static>; 15] = [
     Measure {
         key: "ending",
         name: "ending",

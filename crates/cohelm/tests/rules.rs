@@ -1,7 +1,9 @@
 //! What the rules promise, over random values, likenesses and confidences (Section III-C and its extremes).
 
 use cohelm::action::Action;
-use cohelm::arbitration::{Arbiter, GoalValues, Last, Likeness, LookAhead, Pick, Rule, RuleError, Stage};
+use cohelm::arbitration::{
+    Arbiter, FLIGHTS, GoalValues, Last, Likeness, LookAhead, Pick, Rule, RuleError, Stage,
+};
 use cohelm::intent::Belief;
 use cohelm::value::ActionValues;
 use proptest::prelude::*;
@@ -411,8 +413,9 @@ fn of_many_candidates_safe_nearest_tries_some_from_the_nearest_to_the_farthest()
         assert_eq!(allowed.iter().filter(|&&allowed| allowed).count(), 1);
         (pick, ahead.asked.into_inner())
     };
-    let every_eighth: Vec<usize> = (0..128).step_by(8).collect();
-    assert_eq!(tried(vec![false; 128]), (Pick::Candidate(127), every_eighth.clone()));
-    let from_the_ninth = (0..128).map(|index| index > 8).collect();
-    assert_eq!(tried(from_the_ninth), (Pick::Candidate(16), every_eighth[..3].to_vec()));
+    let some: Vec<usize> = (0..128).step_by(13).collect();
+    assert!(some.len() <= FLIGHTS);
+    assert_eq!(tried(vec![false; 128]), (Pick::Candidate(127), some.clone()));
+    let from_the_fifteenth = (0..128).map(|index| index > 13).collect();
+    assert_eq!(tried(from_the_fifteenth), (Pick::Candidate(26), some[..3].to_vec()));
 }

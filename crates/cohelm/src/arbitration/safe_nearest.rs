@@ -7,8 +7,8 @@
 
 use super::{Arbiter, Needs, Pick, Stage};
 
-/// Most flights ahead at one tick: a flight costs as much as all else that is decided there.
-pub const FLIGHTS: usize = 16;
+/// Most flights ahead at one tick: a flight of forty ticks costs thirty times all else that is decided there.
+pub const FLIGHTS: usize = 10;
 
 /// The most similar action after which the robot can still save the plant; the robot's best if there is none.
 #[derive(Clone, Copy, Debug)]
