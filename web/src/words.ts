@@ -16,7 +16,7 @@ export const ENDINGS: Record<Ending, string> = {
 export const ENDING_HINTS: Record<Ending, string> = {
   goal: 'At rest, just where you wanted to be.',
   elsewhere: 'Well done, but at another goal than yours.',
-  crash: 'That was too hard. Gentler next time.',
+  crash: 'Too hard, or beside the place for it. Gentler next time.',
   'out-of-bounds': 'There is a limit there. Keep further away from it.',
   'time-limit': 'It has to rest at the goal before the time is up.',
   abandoned: 'The flight ends here.',

@@ -231,7 +231,7 @@ export const de: Words = {
     hints: {
       goal: 'In Ruhe, genau dort, wo Sie hinwollten.',
       elsewhere: 'Gut gemacht, aber an einem anderen Ziel als Ihrem.',
-      crash: 'Das war zu hart. Beim nächsten Mal sanfter.',
+      crash: 'Zu hart, oder daneben. Beim nächsten Mal sanfter.',
       'out-of-bounds': 'Dort ist eine Grenze. Bleiben Sie ihr beim nächsten Mal fern.',
       'time-limit': 'Am Ziel muss es ruhen, bevor die Zeit um ist.',
       abandoned: 'Der Flug endet hier.',
