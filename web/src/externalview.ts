@@ -47,7 +47,9 @@ export class ExternalView implements View {
   private frame = 0;
   private disposed = false;
   private readonly onKey = (event: KeyboardEvent) => this.shortcut(event);
-  private readonly onLeave = () => this.hands?.letGo();
+  private readonly onLeave = () => {
+    if (this.flies) this.nowLetGo();
+  };
 
   constructor(private readonly context: Context) {
     const label = 'The plant, the ground and the goals; your own is marked';
@@ -164,11 +166,7 @@ export class ExternalView implements View {
     if (this.state !== 'flying') return;
     this.newest = tick.tick;
     this.letGo = letGo;
-    if (letGo) {
-      this.hands?.letGo();
-      this.again.textContent = LET_GO;
-      this.again.hidden = false;
-    }
+    if (letGo) this.nowLetGo();
     this.older = this.newer;
     this.newer = tick.poses;
     this.newerAt = performance.now();
@@ -180,6 +178,12 @@ export class ExternalView implements View {
       this.hands?.held() ?? new Set(),
       this.stage.readings,
     );
+  }
+
+  private nowLetGo(): void {
+    this.hands?.letGo();
+    this.again.textContent = LET_GO;
+    this.again.hidden = false;
   }
 
   /** What was let go of is pressed again. */
