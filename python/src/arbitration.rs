@@ -2,7 +2,7 @@
 //! critic of their own.
 
 use crate::errors::Kind;
-use cohelm::action::Action;
+use cohelm::action::{Action, blend_axis, distance_between};
 use cohelm::arbitration::{Arbiter, GoalValues, Likeness, Pick, Rule as CoreRule, RuleError, Stage};
 use cohelm::intent::{Belief, MAX_GOALS};
 use cohelm::value::ActionValues;
@@ -144,7 +144,7 @@ impl Rule {
         desk.of_goals(&goals, 0)?;
         let likeness = asked
             .as_ref()
-            .map(|asked| |index: usize| (-distance(&rows[index], asked), rows[index] == *asked));
+            .map(|asked| |index: usize| (-distance_between(&rows[index], asked), rows[index] == *asked));
         let pick = desk.decide(self.arbiter.as_ref(), &values, confidence, likeness)?;
         let chosen = match pick {
             Pick::Nothing => None,
@@ -290,10 +290,7 @@ fn index_of(asked: i64, actions: usize) -> PyResult<Option<usize>> {
     }
 }
 
-fn distance(a: &[f32], b: &[f32]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
-}
-
+/// The same sum as in a cockpit, on any number of axes.
 fn blend(robot: &[f32], asked: &[f32], weight: f32) -> Vec<f32> {
-    robot.iter().zip(asked).map(|(robot, asked)| weight * robot + (1.0 - weight) * asked).collect()
+    robot.iter().zip(asked).map(|(&robot, &asked)| blend_axis(robot, asked, weight)).collect()
 }

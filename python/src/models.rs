@@ -172,9 +172,10 @@ impl ValueModel {
         actions: &Bound<'py, PyAny>,
         goal: Option<usize>,
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let (task, _) = world.recipe(py);
         let plant = world.plant();
         if let Some(model) = self.trained() {
-            fits(model, plant)?;
+            fits(model, &task, plant)?;
         }
         let (view, goal) = (plant.view(), goal.unwrap_or(plant.pilot_goal()));
         if goal >= view.goals.len() {

@@ -72,6 +72,7 @@ impl Seat {
             self.cockpit = Some(cockpit);
         }
         (self.reward, self.ending, self.over, self.restarted) = (0.0, None, false, true);
+        self.told = Record::default();
         self.observe(rules);
         Ok(())
     }
@@ -107,11 +108,11 @@ impl Seat {
         Ok(())
     }
 
-    /// Begins the next episode, while reward and ending are still those of the one that is over.
+    /// Begins the next episode, while reward, ending and stages are still those of the one that is over.
     fn begin_behind(&mut self, seed: u64, rules: &Rules) -> PyResult<()> {
-        let (reward, ending) = (self.reward, self.ending);
+        let (reward, ending, told) = (self.reward, self.ending, self.told);
         self.begin(seed, rules)?;
-        (self.reward, self.ending) = (reward, ending);
+        (self.reward, self.ending, self.told) = (reward, ending, told);
         Ok(())
     }
 
@@ -270,7 +271,8 @@ impl PlantVector {
     }
 
     /// The stages of the last tick in every world, as new arrays: `asked` and `executed`, and with a co-pilot `goal`,
-    /// `confidence`, `intervened` and `opposed`. Nothing is −1, and NaN among axes.
+    /// `confidence`, `intervened` and `opposed`. Nothing is −1, and NaN among axes. A world that has begun an episode and not
+    /// flown yet has nothing to tell; with autoreset "same-step" they are those of the tick that ended the episode before.
     fn stages<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let told: Vec<Record> = self.seats.get_mut().iter().map(|seat| seat.told).collect();
         let stages = PyDict::new(py);

@@ -67,6 +67,7 @@ pub struct World {
 
 /// What a cockpit is made of, anew for each episode.
 pub struct Help {
+    task: Task,
     rule: Py<Rule>,
     inference: Inference,
     silence: Silence,
@@ -107,7 +108,8 @@ impl World {
         let options = serde_json::from_str(options_json).map_err(|error| Kind::Option.error(error))?;
         let task = Task { plant: plant.into(), options };
         let (inference, silence) = (word("inference", inference)?, word("answer to silence", silence)?);
-        Self::of(task, rule.map(|rule| Help { rule, inference, silence, values, intent }))
+        let help = rule.map(|rule| Help { task: task.clone(), rule, inference, silence, values, intent });
+        Self::of(task, help)
     }
 
     /// Begins the episode of a seed.
@@ -270,7 +272,7 @@ impl World {
         let options = text(serde_json::to_string(&world.task.options))?;
         let help = match world.help.as_ref().map(|help| help.clone_ref(py)) {
             None => None,
-            Some(Help { rule, inference, silence, values, intent }) => Some((
+            Some(Help { rule, inference, silence, values, intent, .. }) => Some((
                 rule,
                 text(serde_json::to_string(&inference))?,
                 text(serde_json::to_string(&silence))?,
@@ -301,7 +303,7 @@ impl World {
             Some((rule, inference, silence, values, intent)) => {
                 let inference = serde_json::from_str(&inference).map_err(wrong)?;
                 let silence = serde_json::from_str(&silence).map_err(wrong)?;
-                Some(Help { rule, inference, silence, values, intent })
+                Some(Help { task: task.clone(), rule, inference, silence, values, intent })
             }
         };
         let mut world = Self::of(task, help)?;
@@ -387,6 +389,7 @@ impl World {
 impl Help {
     fn clone_ref(&self, py: Python<'_>) -> Self {
         Self {
+            task: self.task.clone(),
             rule: self.rule.clone_ref(py),
             inference: self.inference,
             silence: self.silence,
@@ -411,7 +414,7 @@ impl Help {
     fn estimator(&self, plant: &dyn Plant) -> PyResult<Option<(Box<dyn CoreValues>, f64)>> {
         let Some(values) = &self.values else { return Ok(None) };
         if let Some(model) = values.get().trained() {
-            fits(model, plant)?;
+            fits(model, &self.task, plant)?;
         }
         values.get().values(plant.view().state.len(), plant.space().commands()).map(Some)
     }
@@ -446,7 +449,7 @@ impl Help {
         let word = self.inference.word();
         let none = || Kind::Option.error(format!("inference {word:?} needs an intent model: intent=…"));
         let model = &self.intent.as_ref().ok_or_else(none)?.get().model;
-        fits(model, plant)?;
+        fits(model, &self.task, plant)?;
         if !model.card().serves(self.inference) {
             let name = &model.card().name;
             return Err(Kind::Model.error(format!(
@@ -468,9 +471,17 @@ impl Help {
     }
 }
 
-/// Refuses a model that was trained for other actions or another state.
-pub fn fits(model: &cohelm_copilot::Model, plant: &dyn Plant) -> PyResult<()> {
+/// Refuses a model that was trained for another plant, or for other actions or another state of it. (Two plants may have both
+/// alike: the drone and the arm on axes do.)
+pub fn fits(model: &cohelm_copilot::Model, task: &Task, plant: &dyn Plant) -> PyResult<()> {
     let card = model.card();
+    let version = plants().entry(task).map_err(|error| Kind::Option.error(error))?.version;
+    if (&card.task.plant, card.plant_version) != (&task.plant, version) {
+        return Err(Kind::Model.error(format!(
+            "the model {:?} was trained for {} of version {}, and this is {} of version {version}; use a model of this plant",
+            card.name, card.task.plant, card.plant_version, task.plant
+        )));
+    }
     if card.space == *plant.space() && card.state == plant.view().state.len() {
         return Ok(());
     }

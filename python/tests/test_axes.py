@@ -57,3 +57,17 @@ def test_it_flies_with_the_person_s_own_action_among_the_candidates(critic):
         assert (candidates == tick["executed"]).all(axis=1).any()
         if tick["ending"]:
             break
+
+
+def test_a_model_of_another_plant_is_refused_though_its_actions_and_state_are_alike():
+    drones = cohelm.train_values("drone", options=OPTIONS, changes=SHORT)[0]
+    drone, arm = (cohelm.World(plant, '{"actions": "continuous"}') for plant in ("drone", "arm"))
+    for world in (drone, arm):
+        world.reset(1)
+    assert len(drone.state()) == len(arm.state()) and drone.axes == arm.axes
+    actions = np.zeros((1, 2), np.float32)
+    assert drones.assess(drone, actions).shape == (1,)
+    with pytest.raises(cohelm.ModelError, match="trained for drone of version 1, and this is arm"):
+        drones.assess(arm, actions)
+    with pytest.raises(cohelm.ModelError, match="trained for drone"):
+        gymnasium.make("cohelm/SharedControl-v1", plant="arm", rule="misc", inference="known", values=drones, **OPTIONS)

@@ -111,6 +111,22 @@ def test_worlds_are_reset_where_a_mask_says_so_and_not_stepped_past_their_end():
         vector.step(np.full(WORLDS, 6))
 
 
+def test_a_world_that_has_begun_anew_tells_nothing_of_the_episode_before():
+    envs = native("cohelm/SharedControl-v1", AutoresetMode.NEXT_STEP, rule="misc", inference="softmax", limit=20)
+    envs.reset(seed=1)
+    asked = np.zeros(WORLDS, dtype=np.int64)
+    before = None
+    for _ in range(25):
+        _, _, terminated, truncated, _ = envs.step(asked)
+        stages = envs.unwrapped._native().stages()
+        if before is not None and before.any():
+            assert (stages["confidence"][before] == 0).all() and (stages["asked"][before] == -1).all()
+            assert (stages["confidence"][~before] > 0).all()
+            return
+        before = terminated | truncated
+    pytest.fail("no episode ended")
+
+
 def test_what_is_wrong_is_refused_in_words():
     vector = native("cohelm/FlagLander-v1", AutoresetMode.NEXT_STEP)
     with pytest.raises(cohelm.ClosedError, match="no episode has begun"):

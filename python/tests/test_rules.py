@@ -48,6 +48,21 @@ def test_continuous_actions():
     assert np.allclose(blended, 0.25 * candidates[1] + 0.75 * asked)
 
 
+def test_a_blend_is_the_cockpit_s_to_the_last_bit():
+    rng = np.random.default_rng(1)
+    one = np.float32(1)
+    robot, asked = rng.uniform(-1, 1, size=(2, 200, 5)).astype(np.float32)
+    asked[0] = -0.0
+    differs = 0
+    for weight in np.array([0.0, 0.1, 1 / 3, 0.7, 1.0], dtype=np.float32):
+        for there, here in zip(robot, asked, strict=True):
+            blended = Rule("lasc").decide_among([1.0, 0.0], np.stack([there, here]), float(weight), here)
+            expected = here if weight == 0 else here + weight * (there - here)
+            assert blended.tobytes() == expected.tobytes(), weight
+            differs += (weight * there + (one - weight) * here).tobytes() != expected.tobytes()
+    assert differs > 100, "another sum would be noticed"
+
+
 def test_rules_that_weigh_every_goal():
     # The first goal wants action 0, the second action 2; action 1 is nearly as good for both.
     goals = [[1.0, 0.8, 0.0], [0.0, 0.8, 1.0]]

@@ -90,7 +90,7 @@ export class EpisodesView implements View {
 }
 
 function outcome(episode: EpisodeEntry): HTMLElement {
-  if (episode.state === 'in-the-air') return element('span', { title: 'in the air, or interrupted' }, '… not finished');
+  if (episode.state === 'in-the-air') return element('span', { title: 'under way, or interrupted' }, '… not finished');
   if (episode.state === 'refused') return element('span', { title: episode.reason }, '⚠ refused');
   const { sign, word } = ENDING_WORDS[episode.ending];
   return element('span', { class: 'outcome', 'data-outcome': episode.ending }, `${sign} ${word}`);

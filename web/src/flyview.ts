@@ -13,7 +13,7 @@ import { say } from './message';
 import { Overlay } from './overlay';
 import { keepSettings, loadSettings, type Settings } from './settings';
 import { Stage } from './stage';
-import { DRAG, ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
+import { CANVAS, directionOf, DRAG, ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
 
 /** How long an ending is watched before the card comes, ms. */
 const WATCH_ENDING_MS = 900;
@@ -46,7 +46,7 @@ export class FlyView implements View {
     const canvas = element('canvas', {
       class: 'front',
       role: 'img',
-      'aria-label': 'The craft, the ground and the goals; your own is marked',
+      'aria-label': CANVAS,
     });
     const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
     this.stage = new Stage(back, canvas);
@@ -240,9 +240,9 @@ export class FlyView implements View {
       ...opening.controls.map((control) =>
         element(
           'span',
-          { 'aria-label': `${control.keys.map(keyName)[0] ?? ''}: ${control.name}` },
+          { 'aria-label': `${control.keys.map(keyName)[0] ?? ''}: ${directionOf(control.name)}` },
           element('kbd', {}, keyCap(control.keys[0] ?? '?')),
-          control.name,
+          directionOf(control.name),
         ),
       ),
     );

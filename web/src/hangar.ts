@@ -17,12 +17,42 @@ export interface Tried {
   hasValues: boolean;
 }
 
+/**
+ * The task that an address asks for, such as `?task=drone&actions=continuous`; null if it asks for none. Values are read as
+ * `cohelm` reads its `--option NAME=VALUE`: as JSON, or else as a word.
+ */
+export function taskIn(search: string): Task | null {
+  const { task: plant, ...words } = Object.fromEntries(new URLSearchParams(search));
+  if (plant === undefined) return null;
+  const read = (word: string): unknown => {
+    try {
+      return JSON.parse(word) as unknown;
+    } catch {
+      return word;
+    }
+  };
+  return { plant, options: Object.fromEntries(Object.entries(words).map(([name, word]) => [name, read(word)])) };
+}
+
+/** The set of actions with the options of a task: one of those that are offered, or one of its own. */
+function setOf({ options }: Task, offered: [ActionSet, ...ActionSet[]]): ActionSet {
+  const asked = Object.entries(options);
+  if (asked.length === 0) return offered[0];
+  const same = (set: ActionSet) =>
+    Object.keys(set.options).length === asked.length &&
+    asked.every(([name, value]) => JSON.stringify(set.options[name]) === JSON.stringify(value));
+  const label = asked.map(([name, value]) => `${name} = ${typeof value === 'string' ? value : JSON.stringify(value)}`);
+  return offered.find(same) ?? { name: 'asked', label: label.join(', '), options };
+}
+
 /** Plants, action sets and models. */
 export class Hangar {
   readonly plants: PlantEntry[];
   models: ModelEntry[] = [];
   /** Hash of the values that learn while people fly. */
   learning: string | null = null;
+  /** What the page's address asks for, which may have options that no set offers. */
+  asked: Task | null = null;
   private readonly tried = new Map<string, Tried | null>();
 
   /** `trial` is a loop for trying things out; nobody else may use it. */
@@ -41,7 +71,16 @@ export class Hangar {
   /** The sets of actions that a plant offers; its only one, if it offers none to choose from. */
   actionSets(plant: string): [ActionSet, ...ActionSet[]] {
     const [first, ...others] = this.plants.find((known) => known.name === plant)?.actions ?? [];
-    return first === undefined ? [{ name: 'usual', label: this.describe(plant), options: {} }] : [first, ...others];
+    const [usual, ...more]: [ActionSet, ...ActionSet[]] =
+      first === undefined ? [{ name: 'usual', label: this.describe(plant), options: {} }] : [first, ...others];
+    const asked = this.asked?.plant === plant ? setOf(this.asked, [usual, ...more]) : usual;
+    return [usual, ...more, ...([usual, ...more].includes(asked) ? [] : [asked])];
+  }
+
+  /** Notes what the page's address asks for, and says how the settings call it; nothing if it asks for nothing. */
+  ask(asked: Task | null): { plant: string; actions: string } | null {
+    this.asked = asked;
+    return asked === null ? null : { plant: asked.plant, actions: setOf(asked, this.actionSets(asked.plant)).name };
   }
 
   /** The actions of a plant as it is, in its own words. */

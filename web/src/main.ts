@@ -9,11 +9,12 @@ import { EpisodesView } from './episodesview';
 import { externalPlant } from './external';
 import { ExternalView } from './externalview';
 import { FlyView } from './flyview';
-import { Hangar } from './hangar';
+import { Hangar, taskIn } from './hangar';
 import { LearningBadge } from './learning';
 import { Link } from './link';
 import { say } from './message';
 import { ReplayView } from './replayview';
+import { keepSettings, loadSettings } from './settings';
 import { reasonOf, sentence } from './words';
 
 async function open(): Promise<void> {
@@ -22,6 +23,8 @@ async function open(): Promise<void> {
   await hangar.refresh().catch(() => {
     // The link says that the server is away; as soon as it is there the models are asked for again.
   });
+  const asked = hangar.ask(taskIn(location.search));
+  if (asked !== null) keepSettings({ ...loadSettings(), ...asked });
   const status = element('span', { class: 'dot', role: 'status', 'data-state': 'off' }, 'connecting');
   const badge = new LearningBadge();
   const context: Context = {

@@ -85,6 +85,7 @@ export class Stage {
     };
     this.ending = null;
     this.motion = null;
+    this.tilt_rad = 0;
     this.stale = true;
   }
 

@@ -16,8 +16,8 @@ export const ENDINGS: Record<Ending, string> = {
 export const ENDING_HINTS: Record<Ending, string> = {
   goal: 'At rest, just where you wanted to be.',
   elsewhere: 'Well done, but at another goal than yours.',
-  crash: 'That was too hard. Gentler next time.',
-  'out-of-bounds': 'The sides are hatched when you come near.',
+  crash: 'Too hard, or beside the place for it. Gentler next time.',
+  'out-of-bounds': 'There is a limit there. Keep further away from it.',
   'time-limit': 'It has to rest at the goal before the time is up.',
   abandoned: 'The flight ends here.',
 };
@@ -74,6 +74,17 @@ export function parametersOf(rule: Rule): string {
   const given = Object.entries(rule).filter((entry): entry is [string, number] => typeof entry[1] === 'number');
   return given.map(([name, value]) => `${SIGNS[name] ?? name} = ${value}`).join(', ');
 }
+
+/** Axes of the picture, as plants name what moves along them, in the words for its directions. */
+const DIRECTIONS: Record<string, string> = { 'x −': 'left', 'x +': 'right', 'y −': 'down', 'y +': 'up' };
+
+/** A control as people read it: a direction of the picture, or the plant's own name. */
+export function directionOf(control: string): string {
+  return DIRECTIONS[control] ?? control;
+}
+
+/** What a picture of a flight shows, for those who do not see it. */
+export const CANVAS = 'What is steered, and the goals; your own is marked';
 
 /** How axes are steered without keys. */
 export const DRAG = 'Or press on the picture and drag: a stick under your mouse or finger.';

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { beforeAll, describe, expect, it } from 'vitest';
 import type { ModelEntry } from '../src/api';
 import { Core, CoreError, CoreStopped, type Setup } from '../src/core';
-import { Hangar } from '../src/hangar';
+import { Hangar, taskIn } from '../src/hangar';
 import { eventsBefore, readRecord, RecordError } from '../src/record';
 import { readRecording } from '../src/replay';
 
@@ -184,6 +184,27 @@ describe('the hangar', () => {
     expect(names('point')).toEqual(['usual']);
     for (const { name } of hangar.plants)
       for (const { options } of hangar.actionSets(name)) expect(hangar.try({ plant: name, options })).not.toBeNull();
+  });
+
+  it('reads from the address what is to be flown, as cohelm reads its options', () => {
+    expect(taskIn('')).toBeNull();
+    expect(taskIn('?task=drone')).toEqual({ plant: 'drone', options: {} });
+    const lander = taskIn('?task=flag-lander&actions=continuous&changes_mind=%5B40%2C120%5D');
+    expect(lander).toEqual({ plant: 'flag-lander', options: { actions: 'continuous', changes_mind: [40, 120] } });
+  });
+
+  it('begins with what the address asks for: a set that is offered, or one of its own', () => {
+    const names = (plant: string) => hangar.actionSets(plant).map((set) => set.name);
+    const ask = (search: string) => hangar.ask(taskIn(search));
+    expect(ask('')).toBeNull();
+    expect(ask('?task=drone')).toEqual({ plant: 'drone', actions: 'levers' });
+    expect(ask('?task=drone&actions=continuous')).toEqual({ plant: 'drone', actions: 'continuous' });
+    expect(names('drone')).toEqual(['levers', 'continuous']);
+    expect(ask('?task=drone&wind=0')).toEqual({ plant: 'drone', actions: 'asked' });
+    expect(hangar.actionSets('drone').at(-1)).toEqual({ name: 'asked', label: 'wind = 0', options: { wind: 0 } });
+    expect(names('arm')).toEqual(['levers', 'continuous']);
+    hangar.ask(null);
+    expect(names('drone')).toEqual(['levers', 'continuous']);
   });
 
   it('knows axes from commands, and who brings values', () => {

@@ -30,11 +30,12 @@ pub mod pilots;
 #[cfg(test)]
 mod tests;
 
-use cohelm::action::{Action, ActionSpace, Lever};
+use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View};
 use cohelm::random::Draws;
 use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
+use cohelm::steering::{Steering, asked};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -72,9 +73,11 @@ const CUPS_APART_M: f64 = 0.22;
 const TOUCH_M: f64 = CUP_M + HAND_M;
 /// Within this distance the palm is at the cup, m.
 const PALM_M: f64 = 0.06;
-/// Faster than this the palm knocks the cup over, m/s.
+/// Faster than this the palm knocks the cup over, m/s. Above [`SPEED_MPS`] no cup ever falls; at [`RESTS_MPS`] every cup falls
+/// at which the hand does not rest.
 const KNOCKS_MPS: f64 = 0.26;
-/// Slower than this, touching, the hand may close, m/s.
+/// Slower than this, touching, the hand may close, m/s. Near 0 the lag of the joints keeps it waiting; at [`KNOCKS_MPS`]
+/// every touch that is no crash takes the cup.
 const RESTS_MPS: f64 = 0.12;
 /// For so many ticks it must rest: 0.16 s.
 const REST_TICKS: u32 = 8;
@@ -101,30 +104,20 @@ pub(crate) mod state {
     pub const UP: usize = 10;
 }
 
-/// What can be asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Actions {
-    /// Two levers of three positions: eight directions and rest.
-    #[default]
-    Levers,
-    /// Two axes, x and y, each from −1 to 1.
-    Continuous,
-}
-
 /// How it is steered. What is left out has its default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ArmOptions {
-    /// `levers` (default) or `continuous`.
-    pub actions: Actions,
+    /// `levers` (default): eight directions and rest; or `continuous`: x to the right and y away from the base, each from −1 to
+    /// 1.
+    pub actions: Steering,
     /// Ticks after which the time is up, 1 to 100000; 750 is fifteen seconds.
     pub limit: u32,
 }
 
 impl Default for ArmOptions {
     fn default() -> Self {
-        Self { actions: Actions::Levers, limit: 750 }
+        Self { actions: Steering::Levers, limit: 750 }
     }
 }
 
@@ -228,7 +221,7 @@ impl Arm {
         }
         let mut arm = Self {
             options,
-            space: space(options.actions),
+            space: options.actions.space(["away", "aside"], ["still", "still"]),
             cups: [[0.0; 2]; CUPS],
             goals: [0, 1, 2, 3].map(|id| Goal { id, position: [0.0; 2] }),
             wanted: 0,
@@ -334,32 +327,9 @@ fn position([x, y]: [f64; 2]) -> [f32; 2] {
     [((x - MIDDLE_M[0]) / UNIT_M) as f32, ((y - MIDDLE_M[1]) / UNIT_M) as f32]
 }
 
-fn space(actions: Actions) -> ActionSpace {
-    match actions {
-        Actions::Levers => {
-            let lever = |name: &str, positions: [&str; 3]| Lever {
-                name: name.into(),
-                positions: positions.map(String::from).to_vec(),
-                neutral: 1,
-            };
-            let levers =
-                vec![lever("away", ["down", "still", "up"]), lever("aside", ["left", "still", "right"])];
-            ActionSpace::Levers { levers }
-        }
-        Actions::Continuous => {
-            let names = vec!["x".into(), "y".into()];
-            ActionSpace::Axes { names, low: vec![-1.0; 2], high: vec![1.0; 2] }
-        }
-    }
-}
-
 /// The direction that an action means; a slanting one is no faster than a straight one.
 fn direction(executed: Option<Action>) -> [f64; 2] {
-    let [x, y] = match executed {
-        None => [0.0; 2],
-        Some(Action::Command(command)) => [f64::from(command % 3) - 1.0, f64::from(command / 3) - 1.0],
-        Some(action) => [action.axis(0), action.axis(1)].map(|axis| f64::from(axis.clamp(-1.0, 1.0))),
-    };
+    let [x, y] = asked(executed);
     let length = libm::sqrt(x * x + y * y).max(1.0);
     [x / length, y / length]
 }
@@ -460,13 +430,7 @@ impl Plant for Arm {
             ((wanted + 2.0 * (wanted - now)) / SPEED_MPS).clamp(-1.0, 1.0)
         };
         let asked = [wish(0, vx), wish(1, vy)];
-        Some(match self.options.actions {
-            Actions::Continuous => Action::axes(&asked.map(|axis| axis as f32)),
-            Actions::Levers => {
-                let [x, y] = asked.map(|axis| (libm::round(axis) + 1.0) as u8);
-                Action::Command(3 * y + x)
-            }
-        })
+        Some(self.options.actions.action(asked))
     }
 }
 

@@ -1,19 +1,15 @@
 //! What the arm looks like, from above.
 
-use crate::{Arm, CUP_M, HAND_M, LINK_M, MIDDLE_M, UNIT_M};
+use crate::{Arm, CUP_M, ELBOW_RAD, HAND_M, Joints, LINK_M, MIDDLE_M, SHOULDER_RAD, UNIT_M};
 use cohelm::scene::{Part, Pose, Role, Scene, Shape};
 
 /// Half the width of a link, m.
 const HALF_LINK_M: f32 = 0.032;
 
-/// The base, how far the hand reaches, the cups, the arm.
+/// The base, where the hand is when a joint is at its stop, the cups, the arm.
 pub fn scene(arm: &Arm) -> Scene {
-    let reach = (0..=48).map(|i| {
-        let angle = core::f64::consts::PI * f64::from(i) / 48.0;
-        [(2.0 * LINK_M * libm::cos(angle)) as f32, (2.0 * LINK_M * libm::sin(angle)) as f32]
-    });
     let base = Shape::Polygon { points: vec![[-0.09, 0.03], [0.09, 0.03], [0.09, -0.09], [-0.09, -0.09]] };
-    let mut fixed = vec![part(Role::Decor, vec![Shape::Line { points: reach.collect() }, base])];
+    let mut fixed = vec![part(Role::Decor, vec![Shape::Line { points: limit() }, base])];
     fixed.extend(arm.cups.iter().enumerate().map(|(goal, cup)| Part {
         role: Role::Goal,
         goal: Some(goal as u32),
@@ -55,6 +51,20 @@ pub fn poses(arm: &Arm, poses: &mut Vec<Pose>) {
 
 fn part(role: Role, shapes: Vec<Shape>) -> Part {
     Part { role, goal: None, shapes }
+}
+
+/// Once around where the hand can be: the elbow stretched, the shoulder turned back, the elbow folded, the shoulder turned
+/// forwards.
+fn limit() -> Vec<[f32; 2]> {
+    let ([stretched, folded], [least, most]) = (ELBOW_RAD, SHOULDER_RAD);
+    let corners =
+        [[least, stretched], [most, stretched], [most, folded], [least, folded], [least, stretched]];
+    let sides = corners.windows(2).flat_map(|side| {
+        let part = move |i: usize, share: f64| side[0][i] + share * (side[1][i] - side[0][i]);
+        (0..=24).map(move |step| [0, 1].map(|i| part(i, f64::from(step) / 24.0)))
+    });
+    let hand = |[shoulder, elbow]: [f64; 2]| Joints { shoulder, elbow, ..Joints::default() }.hand_at();
+    sides.map(|joints| hand(joints).map(|at| at as f32)).collect()
 }
 
 fn link() -> Shape {

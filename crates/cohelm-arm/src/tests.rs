@@ -7,16 +7,16 @@ use cohelm::pilot::Pilot;
 use cohelm::random::mix_seed;
 use proptest::prelude::*;
 
-const BOTH: [Actions; 2] = [Actions::Levers, Actions::Continuous];
+const BOTH: [Steering; 2] = [Steering::Levers, Steering::Continuous];
 const STILL: Option<Action> = None;
 
-fn arm(actions: Actions) -> Arm {
+fn arm(actions: Steering) -> Arm {
     Arm::new(ArmOptions { actions, ..ArmOptions::default() }).expect("possible options")
 }
 
 /// The table of seed 0 with the hand at a place.
 fn with_hand_at(hand: [f64; 2]) -> Arm {
-    let mut arm = arm(Actions::Levers);
+    let mut arm = arm(Steering::Levers);
     arm.joints = Joints::reaching(hand);
     arm
 }
@@ -72,7 +72,7 @@ proptest! {
 
     #[test]
     fn what_is_seen_stays_within_its_units(seed in 0_u64..1000, command in 0_u8..9) {
-        let mut arm = arm(Actions::Levers);
+        let mut arm = arm(Steering::Levers);
         arm.reset(seed);
         while arm.step(Some(Action::Command(command))).ending.is_none() {
             prop_assert!(arm.shown.iter().all(|value| value.abs() <= 2.5), "{:?}", arm.shown);
@@ -81,7 +81,7 @@ proptest! {
 
     #[test]
     fn cups_stand_apart_within_reach_and_away_from_the_start(seed in 0_u64..2000) {
-        let mut arm = arm(Actions::Levers);
+        let mut arm = arm(Steering::Levers);
         arm.reset(seed);
         for (index, &cup) in arm.cups.iter().enumerate() {
             let far = distance(cup, [0.0; 2]);
@@ -104,7 +104,7 @@ fn a_slanting_direction_is_no_faster_than_a_straight_one() {
 
 #[test]
 fn full_levers_and_full_axes_are_the_same() {
-    let (mut levers, mut axes) = (arm(Actions::Levers), arm(Actions::Continuous));
+    let (mut levers, mut axes) = (arm(Steering::Levers), arm(Steering::Continuous));
     for tick in 0..60_u8 {
         let (away, aside) = (tick % 3, tick / 7 % 3);
         let full = [f32::from(aside) - 1.0, f32::from(away) - 1.0];
@@ -117,7 +117,7 @@ fn full_levers_and_full_axes_are_the_same() {
 #[test]
 fn resting_at_a_cup_takes_it() {
     for (cup, expected) in [(2, Ending::Goal), (1, Ending::Elsewhere)] {
-        let mut arm = arm(Actions::Levers);
+        let mut arm = arm(Steering::Levers);
         arm.wanted = 2;
         let [x, y] = arm.cups[cup];
         let near = 1.0 - 0.08 / distance([x, y], [0.0; 2]);
@@ -131,15 +131,76 @@ fn resting_at_a_cup_takes_it() {
 
 #[test]
 fn running_into_a_cup_knocks_it_over() {
-    let mut arm = arm(Actions::Levers);
+    let mut arm = arm(Steering::Levers);
     let cup = arm.cups[1];
     let far = distance(cup, [0.0; 2]);
     let (x, y) = (cup[0] / far, cup[1] / far);
     arm.joints = Joints::reaching([cup[0] - 0.25 * x, cup[1] - 0.25 * y]);
-    arm.space = space(Actions::Continuous);
+    arm.space = Steering::Continuous.space(["away", "aside"], ["still", "still"]);
     let towards = Action::axes(&[x as f32, y as f32]);
     let ending = (0..100).find_map(|_| arm.step(Some(towards)).ending);
     assert_eq!(ending, Some(Ending::Crash));
+}
+
+/// A hand so far before cup 2, which is the pilot's, on the way to it with this speed, m/s.
+fn coming(far_m: f64, speed_mps: f64) -> Arm {
+    let mut arm = arm(Steering::Levers);
+    arm.wanted = 2;
+    let cup = arm.cups[2];
+    let away = distance(cup, [0.0; 2]);
+    let along = [cup[0] / away, cup[1] / away];
+    arm.joints = Joints::reaching([0, 1].map(|i| cup[i] - far_m * along[i]));
+    arm.joints.turning = arm.joints.turns_for(along);
+    let share = speed_mps / arm.speed();
+    arm.joints.turning = arm.joints.turning.map(|turning| share * turning);
+    arm
+}
+
+/// How many ticks it counts as resting after one at whose end it has this speed.
+fn rested_at(speed_mps: f64) -> u32 {
+    let mut before_mps = speed_mps;
+    for _ in 0..20 {
+        let mut arm = coming(0.08, before_mps);
+        arm.advance();
+        before_mps *= speed_mps / arm.speed();
+    }
+    let mut arm = coming(0.08, before_mps);
+    arm.advance();
+    assert!((arm.speed() / speed_mps - 1.0).abs() < 1e-9);
+    arm.rested
+}
+
+/// Two hundredths on either side of each limit.
+#[test]
+fn a_cup_is_knocked_over_touched_and_taken_at_each_limit() {
+    for (share, beyond) in [(0.98, false), (1.02, true)] {
+        let ending = |far_m, speed_mps| coming(far_m, speed_mps).ending();
+        let crash_if = |crashes: bool| crashes.then_some(Ending::Crash);
+        assert_eq!(ending(0.9 * PALM_M, share * KNOCKS_MPS), crash_if(beyond), "speed {share}");
+        assert_eq!(ending(share * PALM_M, 1.05 * KNOCKS_MPS), crash_if(!beyond), "palm {share}");
+        assert_eq!(rested_at(share * RESTS_MPS), u32::from(!beyond), "resting {share}");
+        let mut still = coming(share * TOUCH_M, 0.0);
+        let taken = (0..2 * REST_TICKS).find_map(|_| still.step(STILL).ending);
+        assert_eq!(taken, (!beyond).then_some(Ending::Goal), "touch {share}");
+    }
+}
+
+#[test]
+fn each_joint_has_its_stop_where_it_says() {
+    let middle = Joints { shoulder: 1.0, elbow: 1.5, turning: [0.0; 2] };
+    for (limits, joint) in [(ELBOW_RAD, 1), (SHOULDER_RAD, 0)] {
+        for (limit, outwards) in [(limits[0], -1.0), (limits[1], 1.0)] {
+            for (side, expected) in [(-1.0, None), (1.0, Some(Ending::OutOfBounds))] {
+                let angle = limit + side * outwards * 0.02 * limit.abs();
+                let mut arm = arm(Steering::Levers);
+                arm.joints = match joint {
+                    0 => Joints { shoulder: angle, ..middle },
+                    _ => Joints { elbow: angle, ..middle },
+                };
+                assert_eq!(arm.ending(), expected, "joint {joint} at {angle}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -170,7 +231,7 @@ fn the_teacher_takes_the_cup_wherever_it_starts() {
 
 #[test]
 fn near_goal_starts_are_easy_at_first_and_wide_at_last() {
-    let mut arm = arm(Actions::Levers);
+    let mut arm = arm(Steering::Levers);
     for difficulty in [0.0, 0.2, 1.0] {
         let taken = (0..50).filter(|&seed| {
             assert!(arm.reset_near_goal(seed, difficulty));
@@ -206,7 +267,7 @@ fn every_set_that_is_offered_can_be_steered() {
 /// Alone, an ordinary person takes the cup in 40 % of reaches: hard, and not hopeless.
 #[test]
 fn simulated_people_alone_take_some_cups() {
-    let mut arm = arm(Actions::Levers);
+    let mut arm = arm(Steering::Levers);
     let mut taken = 0;
     for index in 0..10 {
         let person = Person { population: Population::Ordinary, seed: 2024, index };

@@ -83,10 +83,53 @@ fn the_python_package_is_built_from_the_versions_that_the_binary_is_built_from()
     }
 }
 
+/// The crates that bring an entry for a registry, found in their sources: a new plant is held to it without being named here.
+fn plants() -> BTreeSet<String> {
+    let is_plant =
+        |name: &String| !mentions(&root().join("crates").join(name).join("src"), "-> PlantEntry").is_empty();
+    // The point is the loop's own, the smallest plant for its tests.
+    map().into_keys().filter(|name| name != "cohelm" && is_plant(name)).collect()
+}
+
 #[test]
 fn only_the_binary_and_the_page_name_a_plant() {
+    let plants = plants();
+    for known in ["cohelm-arm", "cohelm-drone", "cohelm-lander"] {
+        assert!(plants.contains(known), "{known} is a plant, found only {plants:?}");
+    }
     for (name, needs) in map() {
         let may = ["cohelm-cli", "cohelm-page"].contains(&name.as_str());
-        assert!(may || !needs.contains("cohelm-lander"), "{name} must not depend on a plant");
+        let named: Vec<_> = needs.intersection(&plants).collect();
+        assert!(may || named.is_empty(), "{name} must not depend on a plant, and depends on {named:?}");
     }
+}
+
+/// A dependency is not the only way to know a plant.
+#[test]
+fn the_loop_studies_server_and_learning_speak_of_no_plants_crate() {
+    for name in ["cohelm", "cohelm-study", "cohelm-server", "cohelm-lab", "cohelm-copilot", "cohelm-learn"] {
+        for plant in plants() {
+            let word = plant.replace('-', "_") + "::";
+            let found = mentions(&root().join("crates").join(name).join("src"), &word);
+            assert!(found.is_empty(), "{name} must not know {plant}: {found:?}");
+        }
+    }
+}
+
+/// Sources below a folder, those of tests aside, that hold a word.
+fn mentions(folder: &Path, word: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        let is_test = path.file_stem().is_some_and(|stem| stem == "tests" || stem == "testing");
+        if path.is_dir() && !is_test {
+            found.extend(mentions(&path, word));
+        } else if path.extension().is_some_and(|kind| kind == "rs") && !is_test {
+            let text = fs::read_to_string(&path).unwrap();
+            let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
+            if code.contains(word) {
+                found.push(path);
+            }
+        }
+    }
+    found
 }

@@ -98,6 +98,24 @@ fn it_serves_the_page_and_ends_cleanly_when_asked_to() {
 }
 
 #[test]
+fn its_address_names_the_plant_that_was_asked_for() {
+    let folder = folder();
+    for (asked, expected) in [
+        (&["--task", "drone"][..], "/?task=drone"),
+        (&["--option", "actions=continuous"], "/?task=flag-lander&actions=continuous"),
+        (
+            &["--task", "flag-lander", "--option", "changes_mind=[40,120]"],
+            "/?task=flag-lander&changes_mind=%5B40%2C120%5D",
+        ),
+    ] {
+        let server = Server::start(folder.path(), asked);
+        let (host, query) = server.address.split_at(server.address.find('/').unwrap_or_default());
+        assert_eq!(query, expected, "after {host}");
+        assert_eq!(server.end("-TERM").0.code(), Some(0));
+    }
+}
+
+#[test]
 fn it_lists_plants_and_models_as_json() {
     let folder = folder();
     let server = Server::start(folder.path(), &[]);

@@ -30,11 +30,12 @@ pub mod pilots;
 #[cfg(test)]
 mod tests;
 
-use cohelm::action::{Action, ActionSpace, Lever};
+use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Goal, Mirror, Plant, Step, View};
 use cohelm::random::Draws;
 use cohelm::registry::{OfferedActions, PlantEntry};
 use cohelm::scene::{Pose, Scene};
+use cohelm::steering::{Steering, asked};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -59,9 +60,11 @@ const INERTIA_KG_M2: f64 = 0.06;
 const LIFT_SHARE: f64 = 0.5;
 /// Thrust that full `roll` shifts from one rotor to the other, as a share of the weight: 5.3 rad/s² of spin.
 const ROLL_SHARE: f64 = 0.03;
-/// Share of the speed that the air takes in a second.
+/// Share of the speed that the air takes in a second. At 0 a drift lasts until it is leaned against; at 2 it is gone after half a
+/// second, and no skill is needed.
 const DRAG_PER_S: f64 = 0.25;
-/// Share of the spin that the air takes in a second.
+/// Share of the spin that the air takes in a second. At 0 a spin lasts until the other key stops it; at 5 it stops where the
+/// key is let go.
 const SPIN_DRAG_PER_S: f64 = 0.8;
 /// Gusts push sideways: standard deviation, m/s². At five times that it cannot be held over a pad.
 const GUST_MPS2: f64 = 0.4;
@@ -77,11 +80,14 @@ const PADS: usize = 3;
 const FEET_M: [[f64; 2]; 2] = [[-0.3, -0.25], [0.3, -0.25]];
 /// What else of it can touch something, m.
 const TIPS_M: [[f64; 2]; 2] = [[-0.6, 0.08], [0.6, 0.08]];
-/// A landing is gentle up to this vertical speed, m/s.
+/// A landing is gentle up to this vertical speed, m/s. Below 0.4, at which who has practised comes down, nobody lands; at 3 it is
+/// a landing to drop with full `down` from 0.9 m.
 const GENTLE_MPS: f64 = 1.5;
-/// And this sideways speed, m/s.
+/// And this sideways speed, m/s. Below 0.6, which one gust brings (0.4 m/s² for 1.5 s), landing is luck; above 2 a pass over
+/// the pad is a landing.
 const STRAIGHT_MPS: f64 = 1.0;
-/// And this tilt, rad.
+/// And this tilt, rad. Below 0.05 a gust cannot be leaned against to the end (0.4 m/s² is 0.04 rad); above 0.83 a rotor touches
+/// before a foot does.
 const UPRIGHT_RAD: f64 = 0.3;
 /// A foot that is found deeper than this below a pad's surface, m, came from the side and hit the pillar: at the fastest
 /// gentle descent a tick is 0.03 m.
@@ -111,23 +117,12 @@ pub(crate) mod state {
     pub const RIGHT: usize = 10;
 }
 
-/// What can be asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Actions {
-    /// Two levers of three positions: nine commands.
-    #[default]
-    Levers,
-    /// Two axes, roll (x, to the right) and lift (y), each from −1 to 1.
-    Continuous,
-}
-
 /// How it is flown. What is left out has its default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DroneOptions {
-    /// `levers` (default) or `continuous`.
-    pub actions: Actions,
+    /// `levers` (default): lift and roll, nine commands; or `continuous`: roll (x, to the right) and lift (y), each from −1 to 1.
+    pub actions: Steering,
     /// Ticks after which the time is up, 1 to 100000; 1000 is twenty seconds.
     pub limit: u32,
     /// Factor on the gusts, 0 to 5; 1 by default, 0 is still air.
@@ -136,7 +131,7 @@ pub struct DroneOptions {
 
 impl Default for DroneOptions {
     fn default() -> Self {
-        Self { actions: Actions::Levers, limit: 1000, wind: 1.0 }
+        Self { actions: Steering::Levers, limit: 1000, wind: 1.0 }
     }
 }
 
@@ -212,7 +207,7 @@ impl Drone {
         options.check()?;
         let mut drone = Self {
             options,
-            space: space(options.actions),
+            space: options.actions.space(["lift", "roll"], ["hover", "none"]),
             pads: [[0.0; 2]; PADS],
             goals: [0, 1, 2].map(|id| Goal { id, position: [0.0; 2] }),
             wanted: 0,
@@ -345,34 +340,6 @@ fn position([x, y]: [f64; 2]) -> [f32; 2] {
     [((x - WIDTH_M / 2.0) / UNIT_M) as f32, ((y - HEIGHT_M / 2.0) / UNIT_M) as f32]
 }
 
-fn space(actions: Actions) -> ActionSpace {
-    match actions {
-        Actions::Levers => {
-            let lever = |name: &str, positions: [&str; 3]| Lever {
-                name: name.into(),
-                positions: positions.map(String::from).to_vec(),
-                neutral: 1,
-            };
-            let levers =
-                vec![lever("lift", ["down", "hover", "up"]), lever("roll", ["left", "none", "right"])];
-            ActionSpace::Levers { levers }
-        }
-        Actions::Continuous => {
-            let names = vec!["x".into(), "y".into()];
-            ActionSpace::Axes { names, low: vec![-1.0; 2], high: vec![1.0; 2] }
-        }
-    }
-}
-
-/// Roll and lift that an action means.
-fn thrust(executed: Option<Action>) -> [f64; 2] {
-    match executed {
-        None => [0.0; 2],
-        Some(Action::Command(command)) => [f64::from(command % 3) - 1.0, f64::from(command / 3) - 1.0],
-        Some(action) => [action.axis(0), action.axis(1)].map(|axis| f64::from(axis.clamp(-1.0, 1.0))),
-    }
-}
-
 impl Plant for Drone {
     fn reset(&mut self, seed: u64) {
         let mut draws = self.lay_out(seed);
@@ -382,7 +349,7 @@ impl Plant for Drone {
 
     fn step(&mut self, executed: Option<Action>) -> Step {
         let before = self.potential();
-        self.thrust = thrust(executed);
+        self.thrust = asked(executed);
         self.advance();
         self.tick += 1;
         self.observe();
@@ -461,8 +428,8 @@ impl Plant for Drone {
         let mut state: Vec<(usize, f32)> = signs.into_iter().enumerate().collect();
         state.extend([(state::RIGHT, 1.0), (state::LEFT, 1.0)]);
         let (commands, axes) = match self.options.actions {
-            Actions::Levers => ((0..9).map(|command| command / 3 * 3 + (2 - command % 3)).collect(), vec![]),
-            Actions::Continuous => (vec![], vec![(0, -1.0), (1, 1.0)]),
+            Steering::Levers => ((0..9).map(|command| command / 3 * 3 + (2 - command % 3)).collect(), vec![]),
+            Steering::Continuous => (vec![], vec![(0, -1.0), (1, 1.0)]),
         };
         Some(Mirror { state, position: [-1.0, 1.0], commands, axes })
     }
@@ -477,13 +444,7 @@ impl Plant for Drone {
         let waits = if off.abs() > 0.5 + 0.3 * height.max(0.0) { 1.5 } else { 0.0 };
         let climb = (0.8 * (waits - height)).clamp(-2.0, 1.5) - 0.4 - vy;
         let asked = [(-lean / 0.1).clamp(-1.0, 1.0), (climb / 0.3).clamp(-1.0, 1.0)];
-        Some(match self.options.actions {
-            Actions::Continuous => Action::axes(&asked.map(|axis| axis as f32)),
-            Actions::Levers => {
-                let [roll, lift] = asked.map(|axis| (libm::round(axis) + 1.0) as u8);
-                Action::Command(3 * lift + roll)
-            }
-        })
+        Some(self.options.actions.action(asked))
     }
 }
 

@@ -7,10 +7,10 @@ use cohelm::pilot::Pilot;
 use cohelm::random::mix_seed;
 use proptest::prelude::*;
 
-const BOTH: [Actions; 2] = [Actions::Levers, Actions::Continuous];
+const BOTH: [Steering; 2] = [Steering::Levers, Steering::Continuous];
 const HOVER: Option<Action> = None;
 
-fn drone(actions: Actions) -> Drone {
+fn drone(actions: Steering) -> Drone {
     Drone::new(DroneOptions { actions, ..DroneOptions::default() }).expect("possible options")
 }
 
@@ -73,7 +73,7 @@ fn roll_to_the_right_tilts_clockwise_and_then_goes_right() {
 
 #[test]
 fn full_levers_and_full_axes_are_the_same() {
-    let (mut levers, mut axes) = (drone(Actions::Levers), drone(Actions::Continuous));
+    let (mut levers, mut axes) = (drone(Steering::Levers), drone(Steering::Continuous));
     for tick in 0..60_u8 {
         let (lift, roll) = (tick % 3, tick / 7 % 3);
         let full = [f32::from(roll) - 1.0, f32::from(lift) - 1.0];
@@ -85,7 +85,7 @@ fn full_levers_and_full_axes_are_the_same() {
 #[test]
 fn gusts_have_the_strength_and_the_memory_that_they_should() {
     let (mut of, mut sum, mut squares, mut products) = (0.0, 0.0, 0.0, 0.0);
-    let mut drone = drone(Actions::Levers);
+    let mut drone = drone(Steering::Levers);
     for seed in 0..40 {
         drone.reset(seed);
         (0..75).for_each(|_| drone.advance());
@@ -130,6 +130,56 @@ fn landing_is_gentle_straight_upright_and_on_the_pilots_pad() {
     }
 }
 
+/// Two hundredths on either side of each limit.
+#[test]
+fn a_landing_turns_into_a_crash_at_each_limit() {
+    let gently = Motion { vy: -0.8, ..Motion::default() };
+    for (share, expected) in [(0.98, Ending::Goal), (1.02, Ending::Crash)] {
+        // A tick of drag lies between what is set here and the touch.
+        let (vy, vx) = (share * GENTLE_MPS / (1.0 - TICK_S * DRAG_PER_S), share * STRAIGHT_MPS);
+        let mut ways = vec![(0.0, Motion { vy: -vy, ..gently })];
+        for side in [-1.0, 1.0] {
+            ways.push((0.0, Motion { vx: side * vx / (1.0 - TICK_S * DRAG_PER_S), ..gently }));
+            ways.push((0.0, Motion { tilt: side * share * UPRIGHT_RAD, ..gently }));
+            ways.push((side * share * (PAD_HALF_WIDTH_M - FEET_M[1][0]), gently));
+        }
+        for (aside_m, motion) in ways {
+            assert_eq!(touch(1, aside_m, motion), Some(expected), "{aside_m} m aside, {motion:?}");
+        }
+    }
+}
+
+#[test]
+fn the_ground_and_the_edges_end_it_where_they_are() {
+    let margin = 0.02;
+    let (low, high, left, right) = (-FEET_M[0][1], HEIGHT_M, 0.0, WIDTH_M);
+    for (x, y, inwards, ending) in [
+        (2.0, low, [0.0, margin], Ending::Crash),
+        (2.0, high, [0.0, -margin], Ending::OutOfBounds),
+        (left, 8.0, [margin, 0.0], Ending::OutOfBounds),
+        (right, 8.0, [-margin, 0.0], Ending::OutOfBounds),
+    ] {
+        for (side, expected) in [(1.0, None), (-1.0, Some(ending))] {
+            let mut drone = calm();
+            drone.pads = [[6.0, 3.0], [9.0, 3.0], [12.0, 3.0]];
+            drone.motion = Motion { x: x + side * inwards[0], y: y + side * inwards[1], ..Motion::default() };
+            assert_eq!(drone.step(HOVER).ending, expected, "{:?}", drone.motion);
+        }
+    }
+}
+
+/// A foot that much below a pad's surface came from the side.
+#[test]
+fn a_foot_deep_below_the_surface_hit_the_pillar() {
+    for (share, expected) in [(0.98, Ending::Goal), (1.02, Ending::Crash)] {
+        let mut drone = calm();
+        drone.wanted = 1;
+        let [x, y] = drone.pads[1];
+        drone.motion = Motion { x, y: y - FEET_M[0][1] - share * FROM_ABOVE_M, ..Motion::default() };
+        assert_eq!(drone.step(HOVER).ending, Some(expected), "{share} of the depth");
+    }
+}
+
 #[test]
 fn ground_pillars_and_the_edges_of_the_world_end_it() {
     let at = |x: f64, y: f64, vx: f64, vy: f64| {
@@ -165,7 +215,7 @@ fn the_teacher_lands_wherever_it_starts() {
 
 #[test]
 fn near_goal_starts_are_easy_at_first_and_wide_at_last() {
-    let mut drone = drone(Actions::Levers);
+    let mut drone = drone(Steering::Levers);
     for difficulty in [0.0, 0.2, 1.0] {
         let landed = (0..50).filter(|&seed| {
             assert!(drone.reset_near_goal(seed, difficulty));
@@ -214,7 +264,7 @@ proptest! {
 
     #[test]
     fn what_is_seen_stays_within_its_units_even_when_it_tumbles(seed in 0_u64..1000, lift in 0_u8..3) {
-        let mut drone = drone(Actions::Levers);
+        let mut drone = drone(Steering::Levers);
         drone.reset(seed);
         while drone.step(command(lift, (seed % 3) as u8)).ending.is_none() {
             prop_assert!(drone.shown.iter().all(|value| value.abs() <= 8.0), "{:?}", drone.shown);
@@ -224,9 +274,9 @@ proptest! {
 
 #[test]
 fn axes_are_mirrored_as_the_levers_are() {
-    let mirror = drone(Actions::Continuous).mirror().expect("it has one");
+    let mirror = drone(Steering::Continuous).mirror().expect("it has one");
     assert_eq!((mirror.axes, mirror.commands), (vec![(0, -1.0), (1, 1.0)], vec![]));
-    let mirror = drone(Actions::Levers).mirror().expect("it has one");
+    let mirror = drone(Steering::Levers).mirror().expect("it has one");
     assert_eq!(mirror.commands, [2, 1, 0, 5, 4, 3, 8, 7, 6]);
 }
 
@@ -255,7 +305,7 @@ fn every_set_that_is_offered_can_be_flown() {
 /// Alone, an ordinary person lands 2 % of flights: about as hopeless as the paper's lander, and what help is for.
 #[test]
 fn simulated_people_alone_seldom_land() {
-    let mut drone = drone(Actions::Levers);
+    let mut drone = drone(Steering::Levers);
     let (mut landed, mut lost) = (0, 0);
     for index in 0..10 {
         let person = Person { population: Population::Ordinary, seed: 2024, index };

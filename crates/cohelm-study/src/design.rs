@@ -216,7 +216,7 @@ pub struct InstructionPage {
 pub enum Picture {
     /// The keys and what they do, as the participant has set them.
     Controls,
-    /// The craft, the ground and the goals.
+    /// What is steered, and the goals.
     Task,
 }
 

@@ -201,13 +201,12 @@ impl ActionSpace {
     /// `weight` in [0, 1] is the robot's; at 0 the asked action comes back bit for bit.
     pub fn blend(&self, robot: Action, asked: Action, weight: f32) -> Option<Action> {
         match (self, robot, asked) {
-            // Said apart, because −0 + 0 is +0.
             (Self::Axes { .. }, Action::Axes(_), Action::Axes(_)) if weight == 0.0 => Some(asked),
             (Self::Axes { low, high, .. }, Action::Axes(robot), Action::Axes(asked)) => {
                 let mut blended = [0.0; 4];
                 for (i, (low, high)) in low.iter().zip(high).enumerate().take(blended.len()) {
                     // Rounding may carry a sum a hair beyond both of its ends.
-                    blended[i] = (asked[i] + weight * (robot[i] - asked[i])).max(*low).min(*high);
+                    blended[i] = blend_axis(robot[i], asked[i], weight).max(*low).min(*high);
                 }
                 Some(Action::Axes(blended))
             }
@@ -297,8 +296,19 @@ fn blended_position(robot: u8, asked: u8, weight: f32) -> u8 {
 }
 
 fn distance(a: &[f32; 4], b: &[f32; 4]) -> f32 {
+    distance_between(a, b)
+}
+
+/// The Euclidean distance of two actions on any number of axes; minus this is their similarity.
+pub fn distance_between(a: &[f32], b: &[f32]) -> f32 {
     let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
     libm::sqrtf(squares.sum())
+}
+
+/// One axis of a blend, of which `weight` in [0, 1] is the robot's share; at 0 what was asked comes back bit for bit.
+pub fn blend_axis(robot: f32, asked: f32, weight: f32) -> f32 {
+    // Said apart, because −0 + 0 is +0.
+    if weight == 0.0 { asked } else { asked + weight * (robot - asked) }
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@
 //! | [`flight`] | an episode flown by keys, as the page flies it and the server follows it |
 //! | [`trajectory`] | the record of an episode, its bytes and its digest |
 //! | [`branch`] | what if: a recorded episode, flown on under another cockpit |
+//! | [`steering`] | a plane's two directions, by levers or by axes |
 //! | [`tape`] | what was seen of a plant that is elsewhere, in place of its physics |
 //! | [`scene`] | what a plant looks like, for whoever draws it |
 //! | [`registry`] | plants by name |
@@ -48,6 +49,7 @@ pub mod random;
 pub mod registry;
 pub mod report;
 pub mod scene;
+pub mod steering;
 pub mod tape;
 pub mod trajectory;
 pub mod value;

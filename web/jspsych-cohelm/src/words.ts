@@ -1,10 +1,10 @@
 // What a flight says, in English; hand in others for another language.
 
 import type { Ending } from '../../src/core';
-import { DRAG, ENDING_HINTS, ENDINGS } from '../../src/words';
+import { CANVAS, directionOf, DRAG, ENDING_HINTS, ENDINGS } from '../../src/words';
 
 export const ENGLISH = {
-  canvas: 'The craft, the ground and the goals; your own is marked',
+  canvas: CANVAS,
   tilt: 'tilt',
   away: 'away',
   own: 'YOUR GOAL',
@@ -27,11 +27,11 @@ export const ENGLISH = {
   refused: 'This flight could not be stored',
   refusedText: 'That is no fault of yours. Please fly it once more.',
   next: 'Next',
-  seconds: (seconds: number) => `${seconds.toFixed(1)} s in the air`,
+  seconds: (seconds: number) => `${seconds.toFixed(1)} s under way`,
   endings: ENDINGS as Record<Ending, string>,
   hints: ENDING_HINTS as Record<Ending, string>,
   /** Names of controls that the plant gives in English. */
-  control: (name: string): string => name,
+  control: directionOf,
 };
 
 export type FlightWords = typeof ENGLISH;

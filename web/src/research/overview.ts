@@ -87,7 +87,7 @@ export class OverviewView implements DeskView {
 
   private airOf({ id, in_air }: Row): HTMLElement | string {
     if (in_air === null) return '';
-    return element('a', { href: `#/watch/${id}`, class: 'watch', title: 'Watch this flight' }, '▶ in the air');
+    return element('a', { href: `#/watch/${id}`, class: 'watch', title: 'Watch this flight' }, '▶ under way');
   }
 
   private quietTable(rows: Row[]): HTMLElement {
@@ -173,7 +173,7 @@ function tally(study: StudyReport, rows: Row[]): HTMLElement[] {
   const here = rows.filter((row) => row.connected).length;
   return [
     plan,
-    number(air, 'in the air', 'air', '▶'),
+    number(air, 'under way', 'air', '▶'),
     number(here, 'connected', 'connected', '◆'),
     ...STATUSES.map((status) => number(study.counts[status] ?? 0, STATUS[status].word, status, STATUS[status].sign)),
     number(study.tests + study.simulated, 'tests and bots, not counted', 'others', '⚙'),

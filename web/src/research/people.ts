@@ -129,7 +129,7 @@ function conditionNow({ order, condition, status }: Row): HTMLElement {
 }
 
 export function connection({ id, connected, in_air, last_seen_ms }: Row): HTMLElement {
-  if (in_air !== null) return element('a', { href: `#/watch/${id}`, class: 'watch' }, '▶ in the air');
+  if (in_air !== null) return element('a', { href: `#/watch/${id}`, class: 'watch' }, '▶ under way');
   if (connected) return element('span', { class: 'here' }, '◆ here');
   return element('span', { class: 'away' }, last_seen_ms === null ? 'never here' : ago(last_seen_ms, Date.now()));
 }

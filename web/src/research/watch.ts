@@ -171,7 +171,7 @@ function liveWords(
 ): { state: string; words: string } {
   if (!connected) return { state: 'away', words: 'No connection to the server; trying again…' };
   if (flight === null)
-    return { state: 'idle', words: 'Not in the air. The next flight is shown as soon as it begins.' };
+    return { state: 'idle', words: 'Nothing is under way. The next flight is shown as soon as it begins.' };
   const { following, playback } = flight;
   const exact = following.exact
     ? 'flown again here from the keys, bit for bit ✓'

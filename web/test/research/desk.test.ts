@@ -88,7 +88,7 @@ describe('participants', () => {
   const ids = (filter: Partial<Parameters<typeof filtered>[1]>) =>
     filtered(rows, { code: '', status: 'all', others: true, ...filter }).map(({ id }) => id);
 
-  it('in the air come first, then who is here, then the newest', () => {
+  it('whose flight is under way come first, then who is here, then the newest', () => {
     expect(ids({})).toEqual([5, 2, 4, 3, 1]);
   });
 

@@ -25,6 +25,21 @@ describe.each(Object.entries(LANGUAGES))('%s', (code, words) => {
     expect(words.code).toBe(code);
   });
 
+  it('names controls as any plant has them, by directions alone', () => {
+    const named = ['left', 'right', 'up', 'down', 'x −', 'x +', 'y −', 'y +'].map(words.flight.control);
+    const [left, right, up, down] = named;
+    expect(named).toEqual([left, right, up, down, left, right, down, up]);
+    expect(new Set(named).size).toBe(4);
+    expect(words.flight.control('main')).toBe('main');
+    expect(named.map(words.instructions.short)).toEqual(named);
+  });
+
+  it('speaks of no lander: what is steered may be a drone, an arm, or what nobody has made yet', () => {
+    const lander = /engine|triebwerk|craft|fluggerät|ground|boden|in the air|in der luft|land|hatched|schraffiert/i;
+    const controls = ['left', 'right', 'main', 'up', 'down'].map((name) => [name, words.flight.control(name)]);
+    expect([...texts, ...controls].filter(([, text]) => lander.test(text!))).toEqual([]);
+  });
+
   it('names no rule and no co-pilot', () => {
     expect(texts.filter(([, text]) => /\b(HIC|LASC|MISC|co-pilot|robot)/i.test(text))).toEqual([]);
   });

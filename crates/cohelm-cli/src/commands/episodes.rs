@@ -71,7 +71,7 @@ impl VerifyEpisodes {
 
 fn row(episode: &Episode) -> Vec<String> {
     let ending = match &episode.progress {
-        Progress::InTheAir => "in the air".into(),
+        Progress::InTheAir => "under way".into(),
         Progress::Finished { ending } => ending.word().into(),
         Progress::Refused { .. } => "refused".into(),
     };

@@ -5,19 +5,20 @@ use crate::output::say;
 use crate::{live, rig};
 use anyhow::Result;
 use clap::Args;
-use cohelm::registry::Task;
+use cohelm::registry::{Plants, Task};
 use cohelm_external::{Address, TimeOut};
 use cohelm_server::external::Elsewhere;
 use cohelm_server::hosts::Hosts;
 use cohelm_server::page::Assets;
 use cohelm_server::store::SqliteStore;
 use cohelm_server::{Parts, Server, bind, serve};
+use serde_json::Value;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// The plant that values learn on while people fly.
+/// The plant that values learn on while people fly, and that is flown where only options are given.
 const LEARNT: &str = "flag-lander";
 
 /// Serves the page in which a person flies with the co-pilot. Every flight is stored and can be watched again.
@@ -26,6 +27,12 @@ pub struct Fly {
     /// Port on this machine; 0 for any free one.
     #[arg(long, default_value_t = 8080, value_parser = whole::<u16>)]
     port: u16,
+    /// The plant that the page begins with; another can be chosen there.
+    #[arg(long, value_name = "PLANT", conflicts_with = "external")]
+    task: Option<String>,
+    /// An option of that plant, NAME=VALUE; may be given again. actions=continuous flies on axes.
+    #[arg(long = "option", value_name = "NAME=VALUE", conflicts_with = "external")]
+    options: Vec<String>,
     /// Where flights are stored; made if it is not there.
     #[arg(long, default_value = "cohelm.db", value_name = "FILE")]
     database: PathBuf,
@@ -52,10 +59,21 @@ impl Fly {
         Ok(ExitCode::SUCCESS)
     }
 
+    /// What the address says of the plant that was asked for; refused here if there is none such.
+    fn query(&self, plants: &Plants) -> Result<String> {
+        if self.task.is_none() && self.options.is_empty() {
+            return Ok(String::new());
+        }
+        let task = rig::task(self.task.as_deref().unwrap_or(LEARNT), &self.options)?;
+        plants.make(&task)?;
+        Ok(query_of(&task))
+    }
+
     async fn serve(self) -> Result<()> {
+        let (plants, models) = (rig::plants(), rig::models(&self.models)?);
+        let query = self.query(&plants)?;
         let listener = bind(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), self.port)).await?;
         let store = open(&self.database).await?;
-        let (plants, models) = (rig::plants(), rig::models(&self.models)?);
         let lessons = if self.learn {
             Some(live::lessons(&Task::new(LEARNT), &plants, &models, store.as_ref()).await?)
         } else {
@@ -75,11 +93,28 @@ impl Fly {
             server = server.with_plant_elsewhere(Elsewhere::new(address, self.external_time_out));
         }
         let (address, database) = (listener.local_addr()?, self.database.display());
-        say(&format!("cohelm flies at http://{address}\nflights are stored in {database}; Ctrl-C ends"));
+        say(&format!(
+            "cohelm flies at http://{address}{query}\nflights are stored in {database}; Ctrl-C ends"
+        ));
         serve(listener, server, stop_signal()).await?;
         store.close().await;
         Ok(())
     }
+}
+
+/// What the page reads from its address: the plant and its options, as `?task=drone&actions=continuous`.
+fn query_of(task: &Task) -> String {
+    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), String::from);
+    let options = task.options.as_object().into_iter().flatten();
+    let options = options.map(|(name, value)| format!("&{}={}", escaped(name), escaped(&text(value))));
+    format!("/?task={}{}", escaped(&task.plant), options.collect::<String>())
+}
+
+/// Everything but what an address may hold anywhere (RFC 3986, section 2.3), escaped.
+fn escaped(text: &str) -> String {
+    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-._~".contains(byte);
+    let escape = |byte: u8| if plain(&byte) { char::from(byte).into() } else { format!("%{byte:02X}") };
+    text.bytes().map(escape).collect()
 }
 
 /// Opens the database of flights, or makes it.

@@ -47,9 +47,9 @@ pub struct FlagOptions {
     /// The tick from which on one of the goals is none any more, drawn from those that are there; whose goal it was wants
     /// another from then on, each as likely. Without it none vanishes.
     pub vanishes_at: Option<u32>,
-    /// The first and the last tick between which the pilot changes its mind once, at a tick that is drawn: from then on it
-    /// wants another of the goals of that moment, each as likely. Success is judged on the goal at the end. Without it the
-    /// pilot knows what it wants.
+    /// The first and the last tick, 90000 at most, between which the pilot changes its mind once, at a tick that is drawn:
+    /// from then on it wants another of the goals of that moment, each as likely. Success is judged on the goal at the end.
+    /// Without it the pilot knows what it wants.
     pub changes_mind: Option<[u32; 2]>,
     /// Half the width of a pad, 0.8 to 2.5 world units; 1.5 by default. The legs of a standing craft span about 1.8.
     pub pad_half_width: f64,
@@ -138,11 +138,12 @@ impl FlagOptions {
         in_range("shaping", self.shaping, [0.0, 10.0], usual.shaping)?;
         in_range("pad_half_width", self.pad_half_width, [0.8, 2.5], usual.pad_half_width)?;
         self.check_pads()?;
+        self.check_mind()?;
         iterations_in_range(&self.settings())
     }
 
     fn check_pads(&self) -> Result<(), OptionsError> {
-        let Self { pads, appears_at, vanishes_at, changes_mind, .. } = *self;
+        let Self { pads, appears_at, vanishes_at, .. } = *self;
         in_range("pads", pads.into(), [1.0, MOST_PADS as f64], PADS as f64)?;
         in_range("pad_half_width", self.pad_half_width, [0.8, f64::min(2.5, widest(pads as usize))], 1.5)?;
         let late = appears_at.is_some_and(|appears| vanishes_at.is_none_or(|vanishes| appears > vanishes));
@@ -157,14 +158,19 @@ impl FlagOptions {
                 reason,
             });
         }
-        match changes_mind {
-            Some([from, to]) if from > to => Err(OptionsError::Option {
-                option: "changes_mind".into(),
-                got: format!("[{from}, {to}]"),
-                reason: "the first tick must not come after the last; try [40, 120]".into(),
-            }),
-            _ => Ok(()),
-        }
+        Ok(())
+    }
+
+    fn check_mind(&self) -> Result<(), OptionsError> {
+        let Some([from, to]) = self.changes_mind else { return Ok(()) };
+        let reason = if from > to {
+            "the first tick must not come after the last; try [40, 120]".into()
+        } else if f64::from(to) > MOST_TICKS {
+            format!("no episode is longer than {MOST_TICKS} ticks; try [40, 120]")
+        } else {
+            return Ok(());
+        };
+        Err(OptionsError::Option { option: "changes_mind".into(), got: format!("[{from}, {to}]"), reason })
     }
 }
 
@@ -251,6 +257,14 @@ mod tests {
             (json!({"pads": 1, "vanishes_at": 9}), ["\"vanishes_at\"", "with 1 pads", "takes 2 pads"]),
             (json!({"pads": 2, "vanishes_at": 9, "appears_at": 20}), ["\"appears_at\"", "2 pads", "3 pads"]),
             (json!({"changes_mind": [9, 5]}), ["\"changes_mind\"", "[9, 5]", "try [40, 120]"]),
+            (
+                json!({"changes_mind": [0, u32::MAX]}),
+                ["\"changes_mind\"", "[0, 4294967295]", "90000 ticks; try [40, 120]"],
+            ),
+            (
+                json!({"changes_mind": [0, 90_001]}),
+                ["\"changes_mind\"", "[0, 90001]", "longer than 90000 ticks"],
+            ),
             (json!({"velocity_iterations": 0}), ["from 10", "got 0", "try 180"]),
         ] {
             let message = refusal(value);

@@ -1,17 +1,13 @@
 // Everything that the participant's page itself says, in German.
 
+import { directionOf } from '../../words';
 import { clock, type Words } from './en';
 
 const count = (many: number, one: string, more: string) => `${many} ${many === 1 ? one : more}`;
 
-const CONTROLS: Record<string, string> = {
-  left: 'linkes Triebwerk',
-  right: 'rechtes Triebwerk',
-  main: 'Haupttriebwerk',
-  up: 'hoch',
-  down: 'runter',
-};
-const SHORT: Record<string, string> = { left: 'links', right: 'rechts', main: 'Haupt', up: 'hoch', down: 'runter' };
+/** Directions alone: what moves there only the plant knows. Any other name is the plant's own. */
+const DIRECTIONS: Record<string, string> = { left: 'links', right: 'rechts', up: 'hoch', down: 'runter' };
+const control = (name: string) => DIRECTIONS[directionOf(name)] ?? name;
 
 export const de: Words = {
   name: 'Deutsch',
@@ -111,9 +107,9 @@ export const de: Words = {
     press: 'Taste drücken …',
     changeFor: (control) => `Die Taste für „${control}“ ändern`,
     or: 'oder',
-    short: (control) => SHORT[control] ?? control,
-    taskLabel: 'Was Sie sehen: oben das Fluggerät, den Boden und die Ziele; Ihres ist bernsteinfarben',
-    craft: 'Ihr Fluggerät',
+    short: control,
+    taskLabel: 'Was Sie sehen: was Sie steuern, und die Ziele; Ihres ist bernsteinfarben',
+    craft: 'was Sie steuern',
     goal: 'Ihr Ziel, mit ★',
     others: 'andere Ziele, nicht Ihre',
   },
@@ -200,7 +196,7 @@ export const de: Words = {
   },
 
   flight: {
-    canvas: 'Das Fluggerät, der Boden und die Ziele; Ihr eigenes ist markiert',
+    canvas: 'Was Sie steuern, und die Ziele; Ihr eigenes ist markiert',
     tilt: 'Neigung',
     away: 'entfernt',
     own: 'IHR ZIEL',
@@ -223,23 +219,23 @@ export const de: Words = {
     refused: 'Dieser Flug konnte nicht gespeichert werden',
     refusedText: 'Das ist nicht Ihre Schuld. Bitte fliegen Sie ihn noch einmal.',
     next: 'Weiter',
-    seconds: (seconds) => `${seconds.toFixed(1).replace('.', ',')} s in der Luft`,
+    seconds: (seconds) => `${seconds.toFixed(1).replace('.', ',')} s unterwegs`,
     endings: {
       goal: 'Am Ziel',
       elsewhere: 'Woanders',
-      crash: 'Abgestürzt',
-      'out-of-bounds': 'Aus dem Bild',
+      crash: 'Verunglückt',
+      'out-of-bounds': 'Über die Grenze',
       'time-limit': 'Zeit abgelaufen',
       abandoned: 'Beendet',
     },
     hints: {
       goal: 'In Ruhe, genau dort, wo Sie hinwollten.',
-      elsewhere: 'Gut gelandet, aber an einem anderen Ziel als Ihrem.',
-      crash: 'Das war zu hart. Beim nächsten Mal sanfter.',
-      'out-of-bounds': 'Die Seiten sind schraffiert, wenn Sie ihnen nahe kommen.',
-      'time-limit': 'Das Fluggerät muss am Ziel ruhen, bevor die Zeit um ist.',
+      elsewhere: 'Gut gemacht, aber an einem anderen Ziel als Ihrem.',
+      crash: 'Zu hart, oder daneben. Beim nächsten Mal sanfter.',
+      'out-of-bounds': 'Dort ist eine Grenze. Bleiben Sie ihr beim nächsten Mal fern.',
+      'time-limit': 'Am Ziel muss es ruhen, bevor die Zeit um ist.',
       abandoned: 'Der Flug endet hier.',
     },
-    control: (name) => CONTROLS[name] ?? name,
+    control,
   },
 };

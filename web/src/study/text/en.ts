@@ -1,14 +1,9 @@
 // Everything that the participant's page itself says, in English. What a study says comes from its file.
 
-import { ENGLISH, type FlightWords } from '../../../jspsych-cohelm/src/words';
+import { ENGLISH } from '../../../jspsych-cohelm/src/words';
 import type { Problem } from '../steps';
 
 const count = (many: number, one: string, more: string) => `${many} ${many === 1 ? one : more}`;
-
-/** Controls by the names that plants give them. */
-const CONTROLS: Record<string, string> = { main: 'main engine', left: 'left engine', right: 'right engine' };
-
-const flight: FlightWords = { ...ENGLISH, control: (name) => CONTROLS[name] ?? name };
 
 export const en = {
   name: 'English',
@@ -108,9 +103,9 @@ export const en = {
     changeFor: (control: string) => `Change the key for “${control}”`,
     or: 'or',
     /** A control on a drawn key, where there is little room. */
-    short: (control: string): string => control,
-    taskLabel: 'What you see: the craft at the top, the ground, and the goals; yours is amber',
-    craft: 'your craft',
+    short: ENGLISH.control,
+    taskLabel: 'What you see: what you steer, and the goals; yours is amber',
+    craft: 'what you steer',
     goal: 'your goal, marked ★',
     others: 'other goals, not yours',
   },
@@ -196,7 +191,7 @@ export const en = {
     },
   },
 
-  flight,
+  flight: ENGLISH,
 };
 
 /** Minutes and seconds. */
