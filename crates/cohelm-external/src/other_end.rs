@@ -126,7 +126,7 @@ mod tests {
         run(Point::new())
     }
 
-    fn run(mut plant: impl Plant + Send + 'static) -> (Address, Ended) {
+    fn run(mut plant: impl Plant + 'static) -> (Address, Ended) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string().parse().unwrap();
         (address, thread::spawn(move || answer(&mut plant, "point", listener.accept()?.0)))
