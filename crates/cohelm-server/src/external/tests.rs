@@ -211,6 +211,25 @@ async fn who_falls_silent_lets_go_and_then_the_flight_ends() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_page_that_says_it_is_there_but_shows_nothing_is_not_flown_by() {
+    let python = Python::start();
+    let (disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    page.begin(1, "hic").await;
+    page.say(json!("start")).await;
+    page.stick(3_500).await;
+    let ended = loop {
+        page.say(json!({ "here": { "shown": 0 } })).await;
+        match timeout(Duration::from_millis(100), page.hear()).await {
+            Ok(heard) if heard.get("ended").is_some() => break heard["ended"].clone(),
+            _ => {}
+        }
+    };
+    assert_eq!(ended["why"], "the page has shown nothing new for 2 s");
+    assert_eq!(record(&disk).await.keys.last().unwrap().change, Change::ReleaseAll);
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_page_that_is_closed_lets_go_and_its_flight_is_stored() {
     let python = Python::start();
     let (disk, address) = flying(&python).await;
