@@ -89,17 +89,19 @@ impl Presence {
         self.lock().over.get_or_insert_with(|| (why.to_owned(), wished));
     }
 
-    /// How long nothing was heard, or what was sent is not shown, whichever is longer; and which of them that is, in words
+    /// How long nothing was heard, or what was sent is not shown, whichever is longer; and which of them it is, in words
     /// that go before a time.
     pub fn silence(&self) -> (Duration, &'static str) {
         let present = self.lock();
         let lag = present.unshown.front().map_or(Duration::ZERO, |(_, sent)| sent.elapsed());
         let unheard = present.heard.elapsed();
-        if lag > unheard {
-            (lag, "the page has shown nothing new for")
+        // Who says nothing shows nothing either; that is told only of a page that still speaks.
+        let words = if unheard <= LET_GO_AFTER && lag > unheard {
+            "the page has shown nothing new for"
         } else {
-            (unheard, "nothing was heard from the page for")
-        }
+            "nothing was heard from the page for"
+        };
+        (unheard.max(lag), words)
     }
 
     /// Why it is over, if it is, and whether that was the person's wish.
