@@ -107,6 +107,61 @@ try {
     await shot("1-ready");
   });
 
+  await step("Esc on the ready card leaves the plant ready", async () => {
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("Enter");
+    await page.locator(".card").waitFor({ state: "hidden" });
+    await page.waitForFunction(
+      () => document.querySelector(".clock").textContent !== "0.0 s",
+    );
+  });
+
+  await step("who looks away is told that it was let go of", async () => {
+    await page.keyboard.down("ArrowRight");
+    await page.evaluate(() => {
+      document.hasFocus = () => false;
+    });
+    // The server lets go after 0.3 s, and tells it when somebody is there again.
+    await page.waitForTimeout(800);
+    assert.equal(await page.locator(".let-go:not([hidden])").count(), 0);
+    await page.evaluate(() => {
+      delete document.hasFocus;
+    });
+    await page.locator(".let-go:not([hidden])").waitFor();
+    await shot("2-let-go");
+    assert.equal(await page.locator(".pressed .held").count(), 0);
+    await page.keyboard.up("ArrowRight");
+    await page.waitForTimeout(500);
+    await page.keyboard.press("ArrowRight", { delay: 100 });
+    await page.locator(".let-go").waitFor({ state: "hidden" });
+    await page.keyboard.press("Escape");
+    await card("abandoned").waitFor();
+  });
+
+  await step("a picture that fails ends the flight and says why", async () => {
+    await page.keyboard.press("Enter");
+    await card("ready").waitFor();
+    await page.keyboard.press("Enter");
+    await page.locator(".card").waitFor({ state: "hidden" });
+    await page.evaluate(() => {
+      const pen = CanvasRenderingContext2D.prototype;
+      window.whole = pen.clearRect;
+      pen.clearRect = () => {
+        throw new Error("no paint");
+      };
+    });
+    await card("abandoned").waitFor();
+    assert.match(
+      await page.locator(".card").innerText(),
+      /The picture cannot be drawn: no paint/,
+    );
+    await page.evaluate(() => {
+      CanvasRenderingContext2D.prototype.clearRect = window.whole;
+    });
+    await page.keyboard.press("Enter");
+    await card("ready").waitFor();
+  });
+
   await step("a drag brings the cart to the person's goal", async () => {
     await page.keyboard.press("Enter");
     const [x, y] = [683, 300];
@@ -130,17 +185,17 @@ try {
       [before, then] = [now, at];
       const push = Math.min(Math.max(-0.35 * now - 0.35 * speed, -80), 80);
       await page.mouse.move(x + push, y);
-      if (i === 20) await shot("2-drag");
+      if (i === 20) await shot("3-drag");
     }
     await page.mouse.up();
     await card("goal").waitFor();
-    await shot("3-goal");
+    await shot("4-goal");
   });
 
   await step("its record is shown again from its states", async () => {
     await page.click(".card .secondary");
     await page.locator(".exact[data-identical=true]").waitFor();
-    await shot("4-replay");
+    await shot("5-replay");
   });
 
   await step(
@@ -158,7 +213,7 @@ try {
         await page.locator(".card").innerText(),
         /The plant was lost: it closed the connection/,
       );
-      await shot("5-lost");
+      await shot("6-lost");
       await page.keyboard.press("Enter");
       await card("unable").waitFor();
       const episodes = await server.episodes();
@@ -167,6 +222,8 @@ try {
         [
           ["external", "abandoned"],
           ["external", "goal"],
+          ["external", "abandoned"],
+          ["external", "abandoned"],
         ],
       );
     },

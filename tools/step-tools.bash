@@ -46,7 +46,7 @@ measured() {
     shift
     [[ $1 != cohelm ]] || build
     { time "$@" >"$scratch/printed" 2>&3; } 3>&2 2>"$scratch/seconds"
-    mkdir -p docs/measured
+    mkdir -p "$(dirname "docs/measured/$name")"
     jq --null-input --arg command "$*" --arg date "$(date -u +%F)" --arg rust "$(rustc --version)" \
         --argjson cores "$(getconf _NPROCESSORS_ONLN)" --arg processor "$(processor)" \
         --slurpfile seconds "$scratch/seconds" --slurpfile result "$scratch/printed" \

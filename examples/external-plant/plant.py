@@ -13,11 +13,14 @@ import random
 import socket
 import sys
 
-TICK_S = 0.02  # cohelm asks fifty times a second
 PUSH = 1.6  # units a second squared at full push
 DRAG = 0.5  # share of the speed lost in a second
 REACH = 0.05  # how near (units) and how slow (units a second) counts as being there
-LIMIT = 1500  # ticks an episode may last
+LIMIT_S = 30.0  # seconds an episode may last
+HELLO_WITHIN_S = 5.0  # for who connects to begin: a stranger who says nothing must not keep others out
+START_WITHIN_S = 600.0  # from being ready to the first tick; the person takes that time, and nothing moves yet
+# What a broken connection raises, and what a line raises that is no JSON or not what the protocol has.
+WRONG = (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError)
 
 
 class Cart:
@@ -25,6 +28,10 @@ class Cart:
 
     name = "cart"
     space = {"kind": "axes", "names": ["x"], "low": [-1.0], "high": [1.0]}
+
+    def __init__(self, ticks_per_second=50.0):
+        self.ticks_per_second = ticks_per_second
+        self.push = 0.0
 
     def begin(self, seed):
         draws = random.Random(seed)
@@ -35,9 +42,10 @@ class Cart:
 
     def move(self, action):
         """One tick: the push, held to what the rail takes."""
-        self.push = 0.0 if action is None else max(-1.0, min(1.0, action[0]))
-        self.v += (PUSH * self.push - DRAG * self.v) * TICK_S
-        self.x += self.v * TICK_S
+        tick_s = 1.0 / self.ticks_per_second
+        self.push = 0.0 if action is None else max(-1.0, min(1.0, float(action[0])))
+        self.v += (PUSH * self.push - DRAG * self.v) * tick_s
+        self.x += self.v * tick_s
         self.ticks += 1
 
     def stop(self):
@@ -50,7 +58,7 @@ class Cart:
         for index, mark in enumerate(self.marks):
             if abs(self.x - mark) < REACH and abs(self.v) < REACH:
                 return "goal" if index == self.wanted else "elsewhere"
-        return "time-limit" if self.ticks >= LIMIT else None
+        return "time-limit" if self.ticks >= LIMIT_S * self.ticks_per_second else None
 
     def scene(self):
         def box(w, h, y=0.0):
@@ -89,13 +97,17 @@ def say(connection, message):
 
 
 def fly(connection, cart):
-    """One episode: hello, begin, ticks, end."""
+    """One episode: hello, begin, ticks, end. Raises one of WRONG if cohelm breaks off or is not cohelm."""
+    connection.settimeout(HELLO_WITHIN_S)
     lines = connection.makefile("r", encoding="utf-8")
-    say(connection, {"cohelm": 1, "name": cart.name, "ticks_per_second": 1 / TICK_S, "space": cart.space})
-    begin = json.loads(lines.readline() or "{}").get("begin")
-    if begin is None:
+    say(connection, {"cohelm": 1, "name": cart.name, "ticks_per_second": cart.ticks_per_second, "space": cart.space})
+    line = lines.readline()
+    if not line:
         return "cohelm went away"
+    begin = json.loads(line)["begin"]
     cart.begin(begin["seed"])
+    silence_s = begin["time_out_ms"] / 1000
+    connection.settimeout(START_WITHIN_S)
     say(connection, {"scene": cart.scene(), "pilot_goal": cart.wanted, "goals": cart.goals(), **cart.seen()})
     ending = None
     while ending is None:
@@ -103,7 +115,7 @@ def fly(connection, cart):
         if not line:
             return "cohelm went away"
         # From the first tick on silence means that nobody steers: the socket's time-out is this plant's dead man.
-        connection.settimeout(begin["time_out_ms"] / 1000)
+        connection.settimeout(silence_s)
         message = json.loads(line)
         if "end" in message:
             return message["end"]
@@ -114,21 +126,28 @@ def fly(connection, cart):
     return ending
 
 
+def serve(connection, cart):
+    """One episode, after which the cart stands still: whatever happened, and whatever was heard."""
+    try:
+        return fly(connection, cart)
+    except WRONG as error:
+        return f"lost, {type(error).__name__}: {error}"
+    finally:
+        cart.stop()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--listen", type=int, default=5005, help="port on this machine; 0 for any free one")
-    with socket.create_server(("127.0.0.1", parser.parse_args().listen)) as server:
+    parser.add_argument("--ticks-per-second", type=float, default=50.0, help="1 to 200")
+    options = parser.parse_args()
+    with socket.create_server(("127.0.0.1", options.listen)) as server:
         print(f"the cart listens at 127.0.0.1:{server.getsockname()[1]}", flush=True)
         while True:
             connection, _ = server.accept()
-            cart = Cart()
             with connection:
                 connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                try:
-                    print("episode:", fly(connection, cart), flush=True)
-                except (TimeoutError, ConnectionError) as error:
-                    print("episode: lost,", error or type(error).__name__, flush=True)
-            cart.stop()
+                print("episode:", serve(connection, Cart(options.ticks_per_second)), flush=True)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,13 @@ import type { Stick } from './gamepad';
 
 /** How often the server is told that the person is there, ms: without it, it lets go of everything. */
 const HERE_EVERY_MS = 100;
+/** After how many ticks that were shown it is told at once; the server sends no more than five that were not. */
+const SHOWN_EVERY = 3;
+
+/** True if the page is to be seen and its keys go to it: otherwise nobody steers by it. */
+export function isAttended(): boolean {
+  return !document.hidden && document.hasFocus();
+}
 
 /** A plant that is ready. */
 export interface ExternalReady {
@@ -13,6 +20,8 @@ export interface ExternalReady {
   has_axes: boolean;
   /** False if the person flies alone, whatever the rule. */
   has_values: boolean;
+  /** Why the person flies alone. */
+  why_alone: string | null;
   opening: Opening;
 }
 
@@ -31,8 +40,9 @@ export interface ExternalEnd {
 /** What the way tells. */
 export interface ExternalEvents {
   ready(plant: ExternalReady): void;
-  /** The newest tick; some are left out where the page or the network is slow. */
-  tick(tick: Tick, late: number): void;
+  /** The newest tick; some are left out where the page or the network is slow. While the server has let go of everything
+   * (`letGo`), what is held counts for nothing and must be pressed again. */
+  tick(tick: Tick, late: number, letGo: boolean): void;
   ended(end: ExternalEnd): void;
   refused(reason: string): void;
   /** The connection is gone. */
@@ -51,11 +61,14 @@ export class ExternalLink {
   private readonly socket: WebSocket;
   private readonly waiting: string[] = [];
   private heartbeat = 0;
+  /** The newest tick that was shown, and the newest of which the server knows that. */
+  private newest: number | null = null;
+  private told = -1;
 
   constructor(
     address: string,
     private readonly events: ExternalEvents,
-    private readonly isSeen = () => !document.hidden,
+    private readonly isSeen = isAttended,
   ) {
     this.socket = new WebSocket(address);
     this.socket.addEventListener('open', () => this.waiting.splice(0).forEach((words) => this.socket.send(words)));
@@ -72,11 +85,15 @@ export class ExternalLink {
 
   start(): void {
     this.say('start');
+    [this.newest, this.told] = [null, -1];
     clearInterval(this.heartbeat);
-    // Whoever does not see the plant does not steer it.
-    this.heartbeat = window.setInterval(() => {
-      if (this.isSeen()) this.say('here');
-    }, HERE_EVERY_MS);
+    this.heartbeat = window.setInterval(() => this.here(), HERE_EVERY_MS);
+  }
+
+  /** That tick is on the screen. */
+  shown(tick: number): void {
+    this.newest = tick;
+    if (tick - this.told >= SHOWN_EVERY) this.here();
   }
 
   key(kind: KeyKind, control: number, atMs: number): void {
@@ -96,6 +113,13 @@ export class ExternalLink {
     this.socket.close();
   }
 
+  /** Whoever does not see the plant does not steer it. */
+  private here(): void {
+    if (!this.isSeen()) return;
+    this.told = this.newest ?? -1;
+    this.say({ here: { shown: this.newest } });
+  }
+
   private say(words: unknown): void {
     const text = JSON.stringify(words);
     if (this.socket.readyState === WebSocket.CONNECTING) this.waiting.push(text);
@@ -103,7 +127,7 @@ export class ExternalLink {
   }
 
   private hear(heard: Heard): void {
-    if ('tick' in heard) this.events.tick(heard.tick.report, heard.tick.late);
+    if ('tick' in heard) this.events.tick(heard.tick.report, heard.tick.late, heard.tick.let_go);
     else if ('ready' in heard) this.events.ready(heard.ready);
     else {
       clearInterval(this.heartbeat);
@@ -115,6 +139,6 @@ export class ExternalLink {
 
 type Heard =
   | { ready: ExternalReady }
-  | { tick: { report: Tick; late: number } }
+  | { tick: { report: Tick; late: number; let_go: boolean } }
   | { ended: ExternalEnd }
   | { refused: { reason: string } };

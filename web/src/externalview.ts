@@ -2,71 +2,22 @@
 
 import { Card } from './card';
 import type { Context, View } from './context';
-import type { Control, KeyKind, Pose, Tick } from './core';
+import type { Pose, Tick } from './core';
 import { element, isTheirs, select } from './dom';
 import { ExternalLink, type ExternalEnd, type ExternalReady } from './external';
-import { PadListener, type Stick } from './gamepad';
+import { Hands } from './hands';
 import { History } from './history';
 import { Hud } from './hud';
-import { keyCap, keyName, KeyListener } from './keys';
+import { keyCap, keyName } from './keys';
 import { Overlay } from './overlay';
-import { PointerStick } from './pointer';
 import { keepSettings, loadSettings, MODES, type ModeEntry, type Settings } from './settings';
 import { Stage } from './stage';
 import { DRAG, ENDING_HINTS, ENDINGS, sentence } from './words';
 
 /** Robots fly alone nowhere else than where a person holds on: that mode has no place here. */
 const OFFERED = MODES.filter((entry) => entry.mode !== 'demo');
-/** How often sticks are asked, ms. */
-const ASK_EVERY_MS = 20;
-
-/** What a person steers a flight by. */
-class Hands {
-  private readonly keys: KeyListener;
-  private readonly pad: PadListener;
-  private readonly pointer: PointerStick | null;
-  private timer = 0;
-
-  constructor(
-    controls: Control[],
-    hasAxes: boolean,
-    surface: HTMLElement,
-    private readonly key: (kind: KeyKind, control: number, atMs: number) => void,
-    stick: (stick: Stick, atMs: number) => void,
-  ) {
-    this.keys = new KeyListener(controls, key);
-    this.pad = new PadListener(controls, hasAxes, key, stick);
-    this.pointer = hasAxes ? new PointerStick(surface, controls, () => this.timer !== 0, stick) : null;
-  }
-
-  attach(): void {
-    this.keys.attach(window);
-    this.pointer?.attach();
-    this.timer = window.setInterval(() => {
-      const now = performance.now();
-      this.pad.poll(now);
-      this.pointer?.poll(now);
-    }, ASK_EVERY_MS);
-  }
-
-  detach(): void {
-    clearInterval(this.timer);
-    this.timer = 0;
-    this.keys.detach();
-    this.pointer?.detach();
-  }
-
-  letGo(): void {
-    const now = performance.now();
-    this.keys.releaseAll(now);
-    this.pad.releaseAll(now);
-    this.pointer?.releaseAll(() => this.key('release-all', 0, now));
-  }
-
-  held(): ReadonlySet<number> {
-    return new Set([...this.keys.heldControls(), ...this.pad.heldControls()]);
-  }
-}
+/** What is shown when the server has let go. */
+const LET_GO = 'Let go: press again';
 
 export class ExternalView implements View {
   readonly main = element('main', { class: 'flight' });
@@ -86,10 +37,19 @@ export class ExternalView implements View {
   private older: Pose[] = [];
   private newer: Pose[] = [];
   private newerAt = 0;
+  /** The newest tick that was told. */
+  private newest: number | null = null;
+  /** Why nothing can be drawn any more. */
+  private blind: string | null = null;
+  /** Says that everything was let go of, until something is pressed again. */
+  private readonly again = element('p', { class: 'let-go', role: 'status', hidden: true });
+  private letGo = false;
   private frame = 0;
   private disposed = false;
   private readonly onKey = (event: KeyboardEvent) => this.shortcut(event);
-  private readonly onLeave = () => this.hands?.letGo();
+  private readonly onLeave = () => {
+    if (this.flies) this.nowLetGo();
+  };
 
   constructor(private readonly context: Context) {
     const label = 'The plant, the ground and the goals; your own is marked';
@@ -102,6 +62,7 @@ export class ExternalView implements View {
       back,
       canvas,
       this.hud.node,
+      this.again,
       this.card.node,
       this.card.voice,
     );
@@ -137,6 +98,7 @@ export class ExternalView implements View {
 
   private prepare(): void {
     this.state = 'waiting';
+    this.blind = null;
     this.hands?.detach();
     this.hands = null;
     this.link ??= this.connect();
@@ -146,8 +108,8 @@ export class ExternalView implements View {
   private connect(): ExternalLink {
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
     const link: ExternalLink = new ExternalLink(`${scheme}://${location.host}/ws/external`, {
-      ready: (plant) => this.ready(plant),
-      tick: (tick) => this.tick(tick),
+      ready: (plant) => this.seeing(() => this.ready(plant)),
+      tick: (tick, _late, letGo) => this.seeing(() => this.tick(tick, letGo)),
       ended: (end) => this.ended(end),
       refused: (reason) => this.unable(reason),
       closed: () => {
@@ -169,13 +131,16 @@ export class ExternalView implements View {
     this.overlay.begin(opening.setup.rule, opening.pilot_goal, opening.goals, []);
     this.hud.begin(opening, this.modeOf(plant).label, plant.name);
     const since = () => performance.now() - this.startedAt;
-    this.hands = new Hands(
-      opening.controls,
-      hasAxes,
-      this.stage.canvas,
-      (kind, control) => this.flies && this.link?.key(kind, control, since()),
-      (stick) => this.flies && this.link?.stick(stick, since()),
-    );
+    this.hands = new Hands(opening.controls, hasAxes ? this.stage.canvas : null, {
+      key: (kind, control) => {
+        if (kind === 'down') this.pressed();
+        if (this.flies) this.link?.key(kind, control, since());
+      },
+      stick: (stick) => {
+        if (stick.some((axis) => axis !== 0)) this.pressed();
+        if (this.flies) this.link?.stick(stick, since());
+      },
+    });
     this.showFooter();
     this.showReady(plant);
   }
@@ -188,6 +153,8 @@ export class ExternalView implements View {
     if (this.state !== 'ready') return;
     this.state = 'flying';
     this.startedAt = performance.now();
+    this.newest = null;
+    this.letGo = false;
     this.card.hide();
     this.field.focus();
     this.showFooter();
@@ -195,8 +162,11 @@ export class ExternalView implements View {
     this.link?.start();
   }
 
-  private tick(tick: Tick): void {
+  private tick(tick: Tick, letGo: boolean): void {
     if (this.state !== 'flying') return;
+    this.newest = tick.tick;
+    this.letGo = letGo;
+    if (letGo) this.nowLetGo();
     this.older = this.newer;
     this.newer = tick.poses;
     this.newerAt = performance.now();
@@ -210,22 +180,56 @@ export class ExternalView implements View {
     );
   }
 
+  private nowLetGo(): void {
+    this.hands?.letGo();
+    this.again.textContent = LET_GO;
+    this.again.hidden = false;
+  }
+
+  /** What was let go of is pressed again. */
+  private pressed(): void {
+    if (!this.letGo) this.again.hidden = true;
+  }
+
   private draw(now: number): void {
     this.frame = requestAnimationFrame((next) => this.draw(next));
-    if (this.plant === null) return;
-    const tickMs = 1000 / this.plant.opening.ticks_per_second;
-    const part = this.state === 'flying' ? Math.min((now - this.newerAt) / tickMs, 1) : 1;
+    const { plant } = this;
+    if (plant !== null && this.blind === null) this.seeing(() => this.drawPlant(plant, now));
+  }
+
+  private drawPlant(plant: ExternalReady, now: number): void {
+    const tickMs = 1000 / plant.opening.ticks_per_second;
+    const part = this.flies ? Math.min((now - this.newerAt) / tickMs, 1) : 1;
     this.stage.draw(this.older, this.newer, Math.max(part, 0), now, true);
+    if (this.flies && this.newest !== null) this.link?.shown(this.newest);
+  }
+
+  /** Shows something. A page that cannot does not fly: nobody sees what the machine does. */
+  private seeing(show: () => void): void {
+    try {
+      show();
+    } catch (error) {
+      if (this.blind !== null) return;
+      this.blind = `the picture cannot be drawn: ${error instanceof Error ? error.message : String(error)}`;
+      // Nothing can be begun before this flight has ended; its end says the same, with what can be pressed.
+      if (this.flies) {
+        this.link?.stop();
+        this.hands?.detach();
+        this.card.show('unable', 'The flight is ended', [element('p', {}, sentence(this.blind))], []);
+      } else if (this.state === 'ready' || this.state === 'waiting') this.unable(this.blind);
+    }
   }
 
   private ended(end: ExternalEnd): void {
     this.state = 'ended';
     this.hands?.detach();
-    this.stage.end(end.ending);
+    this.again.hidden = true;
+    if (this.blind === null) this.seeing(() => this.stage.end(end.ending));
     this.showFooter();
     if (end.episode !== null) this.context.onStored.forEach((told) => told(end.episode!));
     const seconds = end.ticks / (this.plant?.opening.ticks_per_second ?? 50);
-    const told = end.why === null ? ENDING_HINTS[end.ending] : sentence(end.why);
+    const why = this.blind ?? end.why;
+    const told = why === null ? ENDING_HINTS[end.ending] : sentence(why);
     const numbers = `${seconds.toFixed(1)} s, ${end.commands} commands, ${end.corrected} of them corrected, ${end.late} ticks late.`;
     const actions = [{ label: 'Fly again', key: '⏎', primary: true, press: () => this.prepare() }];
     const watch =
@@ -241,6 +245,7 @@ export class ExternalView implements View {
   private unable(reason: string): void {
     this.state = 'waiting';
     this.hands?.detach();
+    this.again.hidden = true;
     this.showFooter();
     this.card.show(
       'unable',
@@ -251,7 +256,7 @@ export class ExternalView implements View {
   }
 
   private showReady(plant: ExternalReady): void {
-    const { name, has_axes: hasAxes, has_values: hasValues, opening } = plant;
+    const { name, has_axes: hasAxes, why_alone: whyAlone, opening } = plant;
     const keys = opening.controls.map((control) =>
       element(
         'span',
@@ -260,7 +265,7 @@ export class ExternalView implements View {
         control.name,
       ),
     );
-    const alone = hasValues || this.mode.mode === 'hic' ? [] : ['No values fit this plant, so there is no co-pilot.'];
+    const alone = whyAlone === null || this.mode.mode === 'hic' ? [] : [sentence(whyAlone)];
     this.card.show(
       'ready',
       `Ready: ${name}`,
@@ -292,7 +297,7 @@ export class ExternalView implements View {
       event.preventDefault();
       this.card.pressPrimary();
     } else if (event.code === 'Escape') {
-      this.link?.stop();
+      if (this.flies) this.link?.stop();
     } else if (event.code === 'KeyO') {
       this.settings.overlay = !this.settings.overlay;
       keepSettings(this.settings);

@@ -11,12 +11,17 @@ export type Stick = readonly [number, number, number, number];
 const STEPS = 128;
 /** How far a stick must be pushed to count as pressed. */
 const PRESSED = 0.5;
+/** How far it may stand from its middle to count as let go of: a worn stick does not come back to it. */
+const DEAD_ZONE = 0.1;
 
 /** What is read of a gamepad. */
 export interface PadState {
   axes: readonly number[];
   buttons: readonly { pressed: boolean }[];
 }
+
+/** A pad that is not there any more holds nothing. */
+const UNPLUGGED: PadState = { axes: [], buttons: [] };
 
 const ARROWS = ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'] as const;
 type Arrow = (typeof ARROWS)[number];
@@ -53,6 +58,8 @@ export function stickOf(pad: PadState, controls: Control[]): Stick {
 export class PadListener {
   private readonly held = new Set<number>();
   private last: Stick = [0, 0, 0, 0];
+  /** After everything was let go of, until the pad is, too. */
+  private waits = false;
 
   constructor(
     private readonly controls: Control[],
@@ -63,8 +70,9 @@ export class PadListener {
   ) {}
 
   poll(nowMs: number): void {
-    const pad = this.pads().find((pad) => pad !== null);
-    if (pad === undefined || pad === null) return;
+    const pad = this.pads().find((pad) => pad !== null) ?? UNPLUGGED;
+    if (this.waits && (pad === UNPLUGGED || !this.rests(pad))) return;
+    this.waits = false;
     if (this.hasAxes) this.pollStick(pad, nowMs);
     else this.pollControls(pad, nowMs);
   }
@@ -78,6 +86,18 @@ export class PadListener {
     if (this.held.size > 0 || this.last.some((axis) => axis !== 0)) this.press('release-all', 0, nowMs);
     this.held.clear();
     this.last = [0, 0, 0, 0];
+  }
+
+  /** Lets go of everything; the pad counts again once it has been let go of, too. */
+  letGo(nowMs: number): void {
+    this.releaseAll(nowMs);
+    this.waits = true;
+  }
+
+  private rests(pad: PadState): boolean {
+    return this.hasAxes
+      ? stickOf(pad, this.controls).every((axis) => Math.abs(axis) <= DEAD_ZONE * 32767)
+      : ARROWS.every((arrow) => pointing(pad, arrow) <= DEAD_ZONE);
   }
 
   private pollStick(pad: PadState, nowMs: number): void {

@@ -72,7 +72,7 @@ export class Overlay {
     this.show(null, new History(), 0);
     this.showGoals(null, goals);
     rows(this.values, labels.length).forEach((row, i) => setRow(row, labels[i]!, '', 0, '', ''));
-    this.values.classList.remove('wide');
+    this.widenFor(labels);
   }
 
   /** Shows a tick, and the five seconds of a history that end after `upTo` ticks. */
@@ -116,6 +116,13 @@ export class Overlay {
     });
   }
 
+  private widenFor(labels: string[]): void {
+    this.values.classList.toggle(
+      'wide',
+      labels.some((label) => label.length > LONG_NAME),
+    );
+  }
+
   private showValues(tick: Tick): void {
     const { candidates } = tick;
     const plane = planeOf(tick);
@@ -126,10 +133,7 @@ export class Overlay {
       this.showAxes(tick);
       return;
     }
-    this.values.classList.toggle(
-      'wide',
-      candidates.some(({ action }) => action.label.length > LONG_NAME),
-    );
+    this.widenFor(candidates.map(({ action }) => action.label));
     const most = Math.max(...candidates.map((candidate) => candidate.above_worst), 1e-9);
     const same = (a: { label: string } | null | undefined, b: { label: string }) => a?.label === b.label;
     rows(this.values, candidates.length).forEach((row, i) => {

@@ -2,7 +2,7 @@
 // What the page says to a plant that is elsewhere, and what it hears of it.
 
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { ExternalLink } from '../src/external';
+import { ExternalLink, isAttended } from '../src/external';
 
 /** A server that writes down what it is told. */
 class Server extends EventTarget {
@@ -46,7 +46,7 @@ beforeEach(() => {
   [heard, seen] = [[], true];
   const events = {
     ready: () => heard.push('ready'),
-    tick: (_: unknown, late: number) => heard.push(`tick, ${late} late`),
+    tick: (_: unknown, late: number, letGo: boolean) => heard.push(`tick, ${late} late${letGo ? ', let go' : ''}`),
     ended: () => heard.push('ended'),
     refused: (reason: string) => heard.push(reason),
     closed: () => heard.push('closed'),
@@ -80,7 +80,7 @@ describe('the way to a plant elsewhere', () => {
     Server.last.open();
     link.start();
     vi.advanceTimersByTime(1000);
-    expect(Server.last.told).toEqual(['start', ...Array<string>(10).fill('here')]);
+    expect(Server.last.told).toEqual(['start', ...Array<unknown>(10).fill({ here: { shown: null } })]);
     seen = false;
     vi.advanceTimersByTime(1000);
     seen = true;
@@ -89,12 +89,39 @@ describe('the way to a plant elsewhere', () => {
     expect(Server.last.told.length).toBe(11);
   });
 
+  it('tells which tick it has shown: every third at once, others ten times a second, none that nobody saw', () => {
+    Server.last.open();
+    link.start();
+    for (let tick = 0; tick < 8; tick += 1) link.shown(tick);
+    vi.advanceTimersByTime(100);
+    seen = false;
+    link.shown(20);
+    expect(Server.last.told).toEqual(['start', ...[2, 5, 7].map((shown) => ({ here: { shown } }))]);
+    seen = true;
+    link.start();
+    vi.advanceTimersByTime(100);
+    expect(Server.last.told.at(-1)).toEqual({ here: { shown: null } });
+  });
+
+  it('counts as seen only with the focus and in front', () => {
+    const focus = vi.spyOn(document, 'hasFocus').mockReturnValue(true);
+    const hidden = vi.spyOn(document, 'hidden', 'get').mockReturnValue(false);
+    expect(isAttended()).toBe(true);
+    hidden.mockReturnValue(true);
+    expect(isAttended()).toBe(false);
+    hidden.mockReturnValue(false);
+    focus.mockReturnValue(false);
+    expect(isAttended()).toBe(false);
+    vi.restoreAllMocks();
+  });
+
   it('tells what it hears', () => {
     Server.last.open();
     Server.last.say({ ready: { name: 'cart' } });
-    Server.last.say({ tick: { report: {}, late: 3 } });
+    Server.last.say({ tick: { report: {}, late: 3, let_go: false } });
+    Server.last.say({ tick: { report: {}, late: 3, let_go: true } });
     Server.last.say({ refused: { reason: 'the plant cannot be reached' } });
     Server.last.close();
-    expect(heard).toEqual(['ready', 'tick, 3 late', 'the plant cannot be reached', 'closed']);
+    expect(heard).toEqual(['ready', 'tick, 3 late', 'tick, 3 late, let go', 'the plant cannot be reached', 'closed']);
   });
 });

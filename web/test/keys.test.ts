@@ -133,6 +133,29 @@ describe('a gamepad', () => {
     expect(said).toEqual([[32767, 0, 0, 0], 'release-all']);
   });
 
+  it('counts again after a letting go only once it was let go of, too', () => {
+    const said: string[] = [];
+    let now = pad([0, 0], [0]);
+    const listener = new PadListener(
+      CONTROLS,
+      false,
+      (kind, control) => said.push(`${kind} ${control}`),
+      () => {},
+      () => [now],
+    );
+    const show = (state: PadState) => {
+      now = state;
+      listener.poll(0);
+    };
+    show(pad([0, 0], [0]));
+    listener.letGo(20);
+    show(pad([0, 0], [0]));
+    show(pad([-0.9, 0]));
+    show(pad([0.05, 0]));
+    show(pad([-0.9, 0]));
+    expect(said).toEqual(['down 1', 'release-all 0', 'down 0']);
+  });
+
   it('presses controls where there are no axes', () => {
     const said: string[] = [];
     let now = pad([0, 0], [0]);

@@ -39,8 +39,8 @@ pub enum CockpitError {
     Rule(#[from] RuleError),
     /// The rule looks ahead in a copy of the plant, and there is none.
     #[error(
-        "the rule {rule} looks ahead in a copy of the plant, and {plant:?} cannot be copied; choose a rule that does not, \
-         such as misc-r"
+        "the rule {rule} looks ahead in a copy of the plant that flies to the inferred goal, and {plant:?} cannot be copied or \
+         given a goal; choose a rule that does not, such as misc-r"
     )]
     NoCopy {
         /// The rule.
@@ -152,12 +152,18 @@ pub fn cockpit(
         None => (Box::new(NoOpinion::new(plant.space())) as Box<dyn ValueModel>, f64::NAN),
     };
     let arbiter = setup.rule.arbiter(median_range)?;
-    if arbiter.needs().look_ahead && plant.snapshot().is_none() {
+    if arbiter.needs().look_ahead && !can_look_ahead(plant) {
         let plant = setup.task.plant.clone();
         return Err(CockpitError::NoCopy { rule: setup.rule.word(), plant });
     }
     let cockpit = Cockpit::new(fitting.intent()?, values, arbiter).with_silence(setup.silence);
     Ok(if setup.inference.hides_goals() { cockpit.with_goals_hidden() } else { cockpit })
+}
+
+/// True if copies of the plant can be flown towards any of its goals, so that they do not tell which is the pilot's.
+fn can_look_ahead(plant: &dyn Plant) -> bool {
+    let goals = plant.view().goals.len();
+    plant.snapshot().is_some_and(|mut copy| goals < 2 || (0..goals).all(|goal| copy.set_pilot_goal(goal)))
 }
 
 /// A value model and the median range of its values, NaN where nobody knows it.

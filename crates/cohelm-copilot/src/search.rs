@@ -35,8 +35,11 @@ pub struct Search {
     around: Vec<[f32; 4]>,
     of_grid: Embedded,
     of_asked: Embedded,
-    of_around: Embedded,
+    of_around: [Embedded; 2],
     of_bridge: Embedded,
+    of_other: Embedded,
+    /// True if what is embedded are the candidates of `values`.
+    embedded: bool,
     mean: Vec<f32>,
     phi: Vec<f32>,
     scratch: CriticScratch,
@@ -55,8 +58,10 @@ impl Search {
             around: around(axes.axes()),
             of_grid: Embedded::new(shape, GRID),
             of_asked: Embedded::new(shape, 1),
-            of_around: Embedded::new(shape, AROUND),
+            of_around: [Embedded::new(shape, AROUND), Embedded::new(shape, AROUND)],
             of_bridge: Embedded::new(shape, BRIDGE),
+            of_other: Embedded::new(shape, 1),
+            embedded: false,
             mean: vec![0.0; shape.width()],
             phi: vec![0.0; shape.width()],
             scratch: CriticScratch::new(shape),
@@ -83,6 +88,7 @@ impl Search {
 
     /// Takes in what a critic thinks of the grid; to be called whenever its weights have changed.
     pub fn learn(&mut self, critic: &Critic) {
+        self.embedded = false;
         self.mean.fill(0.0);
         for &action in &self.grid {
             critic.embed(self.axes.encode(action).features(), &mut self.phi);
@@ -108,13 +114,14 @@ impl Search {
         critic.values(&self.scratch, &self.of_grid, &mut self.found[1..1 + GRID]);
         for (turn, reach) in REACH.into_iter().enumerate() {
             let best = self.best(1 + GRID + turn * AROUND);
+            let of_around = &mut self.of_around[turn];
             for index in 0..AROUND {
                 let action = self.axes.moved(best, self.around[index], reach);
                 self.values.set_candidate(1 + GRID + turn * AROUND + index, action);
-                embed(critic, &self.axes, action, (&self.mean, &mut self.phi), (&mut self.of_around, index));
+                embed(critic, &self.axes, action, (&self.mean, &mut self.phi), (of_around, index));
             }
             let place = &mut self.found[1 + GRID + turn * AROUND..][..AROUND];
-            critic.values(&self.scratch, &self.of_around, place);
+            critic.values(&self.scratch, of_around, place);
         }
         let best = self.best(CANDIDATES - BRIDGE);
         for index in 0..BRIDGE {
@@ -123,6 +130,7 @@ impl Search {
             embed(critic, &self.axes, action, (&self.mean, &mut self.phi), (&mut self.of_bridge, index));
         }
         critic.values(&self.scratch, &self.of_bridge, &mut self.found[CANDIDATES - BRIDGE..]);
+        self.embedded = true;
         if self.values.refill(&self.found).is_err() {
             self.found.fill(0.0);
             let equal = self.values.refill(&self.found);
@@ -131,18 +139,33 @@ impl Search {
         &self.values
     }
 
-    /// Q of given actions, one after the other into `values`, which is cleared.
+    /// Q of given actions, one after the other into `values`, which is cleared. Those of the last decision cost little: what
+    /// the critic thinks of them is known but for the state.
     pub fn assess(&mut self, critic: &Critic, input: &[f32], actions: &[Action], values: &mut Vec<f32>) {
         critic.look(input, &mut self.scratch);
         values.clear();
-        for &action in actions {
-            embed(critic, &self.axes, action, (&self.mean, &mut self.phi), (&mut self.of_asked, 0));
-            let mut value = [0.0];
-            critic.values(&self.scratch, &self.of_asked, &mut value);
-            values.push(value[0]);
+        values.resize(actions.len(), 0.0);
+        if self.embedded && actions == self.values.candidates() {
+            self.assess_candidates(critic, values);
+        } else {
+            for (&action, value) in actions.iter().zip(values.chunks_exact_mut(1)) {
+                embed(critic, &self.axes, action, (&self.mean, &mut self.phi), (&mut self.of_other, 0));
+                critic.values(&self.scratch, &self.of_other, value);
+            }
         }
         if values.iter().any(|value| !value.is_finite()) {
             values.fill(0.0);
+        }
+    }
+
+    /// Q of the candidates of the last decision in the state that was looked at last.
+    fn assess_candidates(&self, critic: &Critic, values: &mut [f32]) {
+        let parts = [&self.of_asked, &self.of_grid, &self.of_around[0], &self.of_around[1], &self.of_bridge];
+        let mut rest = values;
+        for part in parts {
+            let (values, others) = rest.split_at_mut(part.count());
+            critic.values(&self.scratch, part, values);
+            rest = others;
         }
     }
 

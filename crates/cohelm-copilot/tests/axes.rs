@@ -9,9 +9,11 @@ use cohelm::intent::{Belief, IntentModel};
 use cohelm::pilot::Recorded;
 use cohelm::plant::{Plant, View};
 use cohelm::value::ValueModel;
+use cohelm_copilot::model::ValueNetwork;
 use cohelm_copilot::search::CANDIDATES;
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Model, ModelError, Network};
+use cohelm_nn::critic::Critic;
 use proptest::prelude::*;
 
 /// Believes in the first goal, as much as it is told.
@@ -39,10 +41,30 @@ fn lander(seed: u64) -> Box<dyn Plant> {
     plant
 }
 
+/// A critic whose weights are all 0: every action is worth the same.
+fn no_opinion() -> NetworkValues {
+    let card = made::card(cohelm_copilot::Kind::Values, &made::axes_task());
+    let Network::Values(ValueNetwork::Axes(critic)) = made::values_on_axes(0).network().clone() else {
+        panic!("a critic")
+    };
+    let zeros = Critic::zeros(critic.shape());
+    NetworkValues::new(&card, (&zeros).into()).unwrap()
+}
+
 /// What is carried out at the first tick of an episode.
 fn executed(rule: Rule, confidence: f32, seed: u64, asked: Option<Action>) -> Option<Action> {
+    executed_by(values(seed), rule, confidence, seed, asked)
+}
+
+fn executed_by(
+    values: NetworkValues,
+    rule: Rule,
+    confidence: f32,
+    seed: u64,
+    asked: Option<Action>,
+) -> Option<Action> {
     let arbiter: Box<dyn Arbiter> = rule.arbiter(0.05).unwrap();
-    let mut cockpit = Cockpit::new(Box::new(Sure(confidence)), Box::new(values(seed)), arbiter);
+    let mut cockpit = Cockpit::new(Box::new(Sure(confidence)), Box::new(values), arbiter);
     cockpit.begin();
     cockpit.tick(lander(seed).as_mut(), &mut Recorded::new(&[asked])).executed
 }
@@ -106,6 +128,44 @@ proptest! {
             let best = estimate.candidates()[estimate.best()];
             prop_assert_eq!(executed(Rule::Misc, 1.0, seed, asked), Some(best));
             prop_assert!(distance(executed(Rule::Lasc, 1.0, seed, asked).unwrap(), best) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn values_that_are_all_equal_let_the_person_through_bit_for_bit(
+        seed in 0_u64..20,
+        asked in pushes(),
+        confidence in 0.0_f32..=1.0,
+    ) {
+        let rules = [
+            Rule::Misc,
+            Rule::Tolerance { alpha: 0.0 },
+            Rule::MiscR { kappa: 0.0 },
+            Rule::MiscH { kappa: 0.0, release: 0.5 },
+            Rule::Ida,
+        ];
+        for rule in rules {
+            let executed = executed_by(no_opinion(), rule, confidence, seed, Some(asked));
+            prop_assert_eq!(executed.map(bits), Some(bits(asked)), "{:?}", rule);
+        }
+    }
+
+    #[test]
+    fn candidates_are_worth_the_same_whether_valued_together_or_one_by_one(
+        seed in 0_u64..20,
+        asked in pushes(),
+        goal in 0_usize..3,
+    ) {
+        let plant = lander(seed);
+        let mut model = values(seed);
+        let estimate = model.estimate(&plant.view(), 0, Some(asked)).clone();
+        let mut together = Vec::new();
+        model.assess(&plant.view(), goal, estimate.candidates(), Some(asked), &mut together);
+        prop_assert!(goal != 0 || together == estimate.values());
+        let mut alone = Vec::new();
+        for (&action, &value) in estimate.candidates().iter().zip(&together) {
+            model.assess(&plant.view(), goal, &[action], Some(asked), &mut alone);
+            prop_assert_eq!(&alone, &[value]);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::words::{self, Begin, Hello, MAX_LINE, MAX_OPENING, Moved, PROTOCOL, R
 use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Plant, Step, View};
 use cohelm::scene::{Pose, Scene};
-use cohelm::tape::{Described, Seen, Tape, TapeError, Taped};
+use cohelm::tape::{self, Described, Seen, Tape, TapeError, Taped};
 use std::io;
 use std::str::FromStr;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use std::time::Duration;
 const READY_WITHIN: Duration = Duration::from_secs(5);
 
 /// How long a tick waits for its answer before the plant is taken for lost: shorter stops sooner, longer forgives a busy
-/// machine. 20 ms to 5 s; a tick lasts 20 ms.
+/// machine. 20 ms to 5 s, usually 250 ms; fewer than two ticks leave no room for one that comes late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeOut(Duration);
 
@@ -28,6 +28,12 @@ impl TimeOut {
     /// As a duration.
     pub fn duration(self) -> Duration {
         self.0
+    }
+
+    /// How long the plant may hear nothing between two ticks: the time-out begins when the next tick is due, and that is
+    /// one period after the last. Without the period a plant of two ticks a second would stop between any two of them.
+    fn between_ticks_ms(self, ticks_per_second: f64) -> u64 {
+        self.0.as_millis() as u64 + (1000.0 / ticks_per_second).ceil() as u64
     }
 }
 
@@ -113,7 +119,9 @@ impl External {
         if hello.cohelm != PROTOCOL {
             return Err(ExternalError::Version { address: at(), found: hello.cohelm });
         }
-        let begin = Begin { seed, time_out_ms: time_out.0.as_millis() as u64 };
+        tape::check_rate(hello.ticks_per_second)
+            .map_err(|reason| ExternalError::Unsound { address: at(), reason })?;
+        let begin = Begin { seed, time_out_ms: time_out.between_ticks_ms(hello.ticks_per_second) };
         line.say(&words::begin(begin), READY_WITHIN).map_err(unready)?;
         let ready: Ready =
             words::read(&line.hear(MAX_OPENING, READY_WITHIN).map_err(unready)?).map_err(garbled)?;
@@ -220,6 +228,13 @@ fn within_limits(space: &ActionSpace, action: Option<Action>) -> Option<Action> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_plant_waits_a_period_and_the_time_out_for_its_next_tick() {
+        let time_out = TimeOut::default();
+        let waits = [200.0, 50.0, 3.0, 2.0, 1.0].map(|rate| time_out.between_ticks_ms(rate));
+        assert_eq!(waits, [255, 270, 584, 750, 1250]);
+    }
 
     #[test]
     fn no_action_leaves_that_the_plant_does_not_take() {

@@ -1,14 +1,23 @@
 //! One line out, one line in, before a deadline.
 
 use crate::address::Address;
+#[cfg(unix)]
+use socket2::{Domain, SockAddr, Socket as Socket2, Type};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 #[cfg(unix)]
-use std::os::unix::net::UnixStream;
+use std::os::{fd::OwnedFd, unix::net::UnixStream};
+#[cfg(unix)]
+use std::path::Path;
+#[cfg(unix)]
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 /// Shortest wait that a socket takes for one.
 const LEAST_WAIT: Duration = Duration::from_millis(1);
+/// How often a Unix socket is tried whose waiting line is full.
+#[cfg(unix)]
+const CALL_EVERY: Duration = Duration::from_millis(10);
 /// Bytes taken from the socket at once.
 const PIECE: usize = 16 * 1024;
 
@@ -51,7 +60,7 @@ impl Line {
     /// Connects.
     ///
     /// # Errors
-    /// What the system says: nobody listens there, or no Unix sockets exist here.
+    /// What the system says: nobody listens there, nobody takes the call in time, or no Unix sockets exist here.
     pub fn connect(address: &Address, within: Duration) -> io::Result<Self> {
         let socket = match address {
             Address::Loopback(address) => {
@@ -61,7 +70,7 @@ impl Line {
                 Socket::Tcp(stream)
             }
             #[cfg(unix)]
-            Address::Unix(path) => Socket::Unix(UnixStream::connect(path)?),
+            Address::Unix(path) => Socket::Unix(connect_unix(path, within)?),
             #[cfg(not(unix))]
             Address::Unix(_) => {
                 return Err(io::Error::new(ErrorKind::Unsupported, "there are no Unix sockets here"));
@@ -147,6 +156,28 @@ impl Line {
             Err(error) => Err(told(error, within)),
         }
     }
+}
+
+/// Connects, trying until the deadline while too many wait to be taken in: the system's own call would wait for ever for
+/// a plant that was stopped.
+#[cfg(unix)]
+fn connect_unix(path: &Path, within: Duration) -> io::Result<UnixStream> {
+    let deadline = Instant::now() + within;
+    let socket = Socket2::new(Domain::UNIX, Type::STREAM, None)?;
+    let address = SockAddr::unix(path)?;
+    socket.set_nonblocking(true)?;
+    while let Err(error) = socket.connect(&address) {
+        if error.kind() != ErrorKind::WouldBlock {
+            return Err(error);
+        }
+        if Instant::now() >= deadline {
+            let words = format!("it did not take the call within {} ms", within.as_millis());
+            return Err(io::Error::new(ErrorKind::TimedOut, words));
+        }
+        sleep(CALL_EVERY);
+    }
+    socket.set_nonblocking(false)?;
+    Ok(OwnedFd::from(socket).into())
 }
 
 fn told(error: io::Error, within: Duration) -> LineError {

@@ -71,13 +71,19 @@ fn wrong(what: &str) -> io::Error {
 
 /// An action is checked here, too: this end may be steered by another program.
 fn action_of(space: &ActionSpace, said: &Value) -> io::Result<Action> {
-    let command = said.as_u64().and_then(|command| u8::try_from(command).ok()).map(Action::Command);
-    let axes = || {
-        let values: Vec<f32> = said.as_array()?.iter().filter_map(Value::as_f64).map(|x| x as f32).collect();
-        Some(Action::axes(&values))
+    let command = || said.as_u64().and_then(|command| u8::try_from(command).ok()).map(Action::Command);
+    let axes = |count: usize| {
+        let values: Option<Vec<f32>> =
+            said.as_array()?.iter().map(|value| value.as_f64().map(|x| x as f32)).collect();
+        values.filter(|values| values.len() == count).map(|values| Action::axes(&values))
     };
-    let action = command.or_else(axes).filter(|action| space.contains(*action));
-    action.ok_or_else(|| wrong(&format!("the plant has no action {said}")))
+    let action = match space {
+        ActionSpace::Axes { names, .. } => axes(names.len()),
+        _ => command(),
+    };
+    action
+        .filter(|action| space.contains(*action))
+        .ok_or_else(|| wrong(&format!("the plant has no action {said}")))
 }
 
 fn ready(plant: &dyn Plant) -> Ready {
@@ -113,11 +119,54 @@ mod tests {
     use std::net::TcpListener;
     use std::thread;
 
+    type Ended = thread::JoinHandle<io::Result<Option<Ending>>>;
+
     /// A point elsewhere, for one episode.
-    fn elsewhere() -> (Address, thread::JoinHandle<io::Result<Option<Ending>>>) {
+    fn elsewhere() -> (Address, Ended) {
+        run(Point::new())
+    }
+
+    fn run(mut plant: impl Plant + 'static) -> (Address, Ended) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string().parse().unwrap();
-        (address, thread::spawn(move || answer(&mut Point::new(), "point", listener.accept()?.0)))
+        (address, thread::spawn(move || answer(&mut plant, "point", listener.accept()?.0)))
+    }
+
+    /// The point, driven twice a second.
+    struct Slow(Point);
+
+    impl Plant for Slow {
+        fn reset(&mut self, seed: u64) {
+            self.0.reset(seed);
+        }
+
+        fn step(&mut self, executed: Option<Action>) -> Step {
+            self.0.step(executed)
+        }
+
+        fn view(&self) -> View<'_> {
+            self.0.view()
+        }
+
+        fn pilot_goal(&self) -> usize {
+            self.0.pilot_goal()
+        }
+
+        fn space(&self) -> &ActionSpace {
+            self.0.space()
+        }
+
+        fn ticks_per_second(&self) -> f64 {
+            2.0
+        }
+
+        fn scene(&self) -> cohelm::scene::Scene {
+            self.0.scene()
+        }
+
+        fn poses(&self, poses: &mut Vec<cohelm::scene::Pose>) {
+            self.0.poses(poses);
+        }
     }
 
     #[test]
@@ -141,6 +190,19 @@ mod tests {
     }
 
     #[test]
+    fn a_slow_plant_waits_for_its_next_tick_and_no_longer() {
+        let (address, other) = run(Slow(Point::new()));
+        let mut far = External::begin(&address, 5, TimeOut::of_ms(100).unwrap()).unwrap();
+        for _ in 0..3 {
+            assert_eq!(far.step(None).ending, None);
+            thread::sleep(Duration::from_millis(500));
+        }
+        thread::sleep(Duration::from_millis(300));
+        assert_eq!(far.step(None).ending, Some(Ending::Abandoned));
+        assert!(other.join().unwrap().is_err(), "600 ms passed without a tick");
+    }
+
+    #[test]
     fn it_is_told_the_end_and_refuses_what_the_plant_cannot_do() {
         let (address, other) = elsewhere();
         let mut far = External::begin(&address, 5, TimeOut::default()).unwrap();
@@ -148,7 +210,18 @@ mod tests {
         far.end(Ending::Abandoned);
         assert_eq!(other.join().unwrap().unwrap(), Some(Ending::Abandoned));
         let space = Point::new().space().clone();
-        for said in ["[2.0, 0.0]", "[0.0, 0.0, 1.0]", "3", "\"up\""] {
+        let wrong = [
+            "[2.0, 0.0]",
+            "[0.0, 0.0, 1.0]",
+            "[0.5]",
+            "[]",
+            "[\"x\", 0.5]",
+            "[\"x\", 0.5, 0.5]",
+            "[null, 0.5]",
+            "3",
+            "\"up\"",
+        ];
+        for said in wrong {
             assert!(action_of(&space, &serde_json::from_str(said).unwrap()).is_err(), "{said}");
         }
     }

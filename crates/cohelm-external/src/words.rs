@@ -35,7 +35,8 @@ pub struct Hello {
 pub struct Begin {
     /// For whatever is random about it; at most 2⁵³.
     pub seed: u64,
-    /// The plant's own dead man: if it hears nothing for so long between two ticks, it must stop by itself, ms.
+    /// The plant's own dead man: if it hears nothing for so long between two ticks, it must stop by itself, ms. One period
+    /// of its ticks longer than the time-out that it was given.
     pub time_out_ms: u64,
 }
 

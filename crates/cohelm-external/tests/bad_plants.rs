@@ -1,11 +1,13 @@
 //! Plants that do not keep to the protocol: refused before an episode, an ending in it.
 
 use cohelm::plant::{Ending, Plant};
+use cohelm_external::line::Line;
 use cohelm_external::{Address, External, TimeOut};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
 use std::thread;
+use std::time::{Duration, Instant};
 
 fn hello() -> Value {
     json!({ "cohelm": 1, "name": "bad", "ticks_per_second": 50,
@@ -17,18 +19,25 @@ fn seen() -> Value {
 }
 
 fn ready() -> Value {
-    let body = json!({ "role": "body", "shapes": [{ "kind": "disc", "center": [0, 0], "radius": 1 }] });
-    with(
-        seen(),
-        &[
-            ("pilot_goal", json!(4)),
-            ("goals", json!([{ "id": 4, "position": [1.0, 0.0] }])),
-            (
-                "scene",
-                json!({ "bounds": [-1, -1, 1, 1], "fixed": [], "movable": [body], "origin": [0, 0], "scale": [1, 1] }),
-            ),
-        ],
-    )
+    drawn(json!({ "kind": "disc", "center": [0, 0], "radius": 1 }), [1, 1])
+}
+
+/// The same with another shape for its body, and another scale.
+fn drawn(shape: Value, scale: [i32; 2]) -> Value {
+    let body = json!({ "role": "body", "shapes": [shape] });
+    let scene =
+        json!({ "bounds": [-1, -1, 1, 1], "fixed": [], "movable": [body], "origin": [0, 0], "scale": scale });
+    let goals = json!([{ "id": 4, "position": [1.0, 0.0] }]);
+    with(seen(), &[("pilot_goal", json!(4)), ("goals", goals), ("scene", scene)])
+}
+
+fn disc(radius: f64) -> Value {
+    json!({ "kind": "disc", "center": [0, 0], "radius": radius })
+}
+
+/// A shape without a single point.
+fn outline(kind: &str) -> Value {
+    json!({ "kind": kind, "points": [] })
 }
 
 fn with(mut message: Value, fields: &[(&str, Value)]) -> Value {
@@ -89,6 +98,15 @@ fn what_cannot_be_flown_is_refused_before_the_episode() {
             "pilot_goal must be the id of a goal, one of [4], got 9",
         ),
         (hello(), with(ready(), &[("state", json!([1e9]))]), "a number of the state must be a finite number"),
+        (hello(), drawn(disc(-1.0), [1, 1]), "a disc's radius must be 0 to 1000000, got -1"),
+        (hello(), drawn(disc(1e9), [1, 1]), "a disc's radius must be 0 to 1000000, got 1000000000"),
+        (hello(), drawn(disc(1.0), [1, 0]), "the scene's scale must be other than 0, got 0"),
+        (hello(), drawn(outline("line"), [1, 1]), "an outline of the scene must be 1 to 20000 points, got 0"),
+        (
+            hello(),
+            drawn(outline("polygon"), [1, 1]),
+            "an outline of the scene must be 1 to 20000 points, got 0",
+        ),
         (hello(), json!({ "error": "the brake is on" }), "it says: the brake is on"),
     ];
     for (hello, ready, expected) in cases {
@@ -127,6 +145,30 @@ fn nobody_there_is_told_before_the_episode() {
     assert!(said.to_string().ends_with("start it first"), "{said}");
 }
 
+/// Filled up as the kernel lets it: whoever connects next waits until somebody is taken in, and nobody is.
+#[cfg(unix)]
+#[test]
+fn a_stopped_plant_whose_waiting_line_is_full_is_told_in_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plant.sock");
+    let listener = socket2::Socket::new(socket2::Domain::UNIX, socket2::Type::STREAM, None).unwrap();
+    listener.bind(&socket2::SockAddr::unix(&path).unwrap()).unwrap();
+    listener.listen(1).unwrap();
+    let address: Address = format!("unix:{}", path.display()).parse().unwrap();
+    let within = Duration::from_millis(200);
+    let begun = Instant::now();
+    let mut waiting = Vec::new();
+    let error = loop {
+        match Line::connect(&address, within) {
+            Ok(line) => waiting.push(line),
+            Err(error) => break error,
+        }
+        assert!(waiting.len() < 100, "the line is never full");
+    };
+    assert_eq!(error.kind(), std::io::ErrorKind::TimedOut, "{error}");
+    assert!((within..20 * within).contains(&begun.elapsed()), "{:?}", begun.elapsed());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_unix_socket_is_as_good() {
@@ -137,7 +179,7 @@ fn a_unix_socket_is_as_good() {
         let (mut stream, _) = listener.accept().unwrap();
         let mut heard = BufReader::new(stream.try_clone().unwrap()).lines();
         let _ = writeln!(stream, "{}", hello());
-        assert_eq!(heard.next().unwrap().unwrap(), r#"{"begin":{"seed":3,"time_out_ms":250}}"#);
+        assert_eq!(heard.next().unwrap().unwrap(), r#"{"begin":{"seed":3,"time_out_ms":270}}"#);
         let _ = writeln!(stream, "{}", ready());
         assert_eq!(heard.next().unwrap().unwrap(), r#"{"action":1,"tick":0}"#);
         let _ = writeln!(stream, "{}", with(seen(), &[("tick", json!(0)), ("ending", json!("goal"))]));

@@ -25,7 +25,7 @@ fn the_examples_are_what_is_said_and_go_together() {
     let hello: Hello = same("hello");
     let ready: Ready = same("ready");
     let moved: Moved = same("moved");
-    assert_eq!(begin(Begin { seed: 7, time_out_ms: 250 }), shown("begin"));
+    assert_eq!(begin(Begin { seed: 7, time_out_ms: 270 }), shown("begin"));
     assert_eq!(tick(0, Some(Action::axes(&[0.25])), 1), shown("tick"));
     assert_eq!(end(Ending::Abandoned), shown("end"));
     let (scene, pilot_goal, first) = ready.seen();

@@ -1,8 +1,8 @@
 //! The bench of rules: every rule, tuned with the same budget, on the same episodes, flown by simulated people of kinds and
 //! seeds that tuning never saw.
 //!
-//! Success alone is no merit: the robot alone has most of it. So that success is read against the share of the person's
-//! commands that were replaced, with the line of constant tolerances (Reddy et al. 2018), which anybody can draw by one
+//! Success alone is no merit: the robot alone has most of it. So that success is read against how much of what the person
+//! asked was replaced, with the line of constant tolerances (Reddy et al. 2018), which anybody can draw by one
 //! number, as what a rule has to beat. What loses is said by the same numbers as what wins.
 
 mod bench;
@@ -19,9 +19,9 @@ pub use bench::{Bench, Budget, Compared, Comparison, Entered};
 pub use curve::{Against, Curve, Margin};
 pub use held_out::{Draw, HeldOut};
 pub use report::{Making, document, files};
-pub use settings::{SETTINGS, Setting, contenders, tolerances};
+pub use settings::{SETTINGS, Setting, contenders, robots, tolerances};
 pub use stand::{MEASURES, Stand};
-pub use tuning::{Tried, WEIGHT_OF_INTERVENTION};
+pub use tuning::{Tried, WEIGHT_OF_REPLACED};
 
 use crate::experiment::ExperimentError;
 use cohelm_study::export::ExportError;

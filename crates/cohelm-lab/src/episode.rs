@@ -24,6 +24,9 @@ pub struct EpisodeMeasures {
     pub commands_per_second: f64,
     /// Share of ticks with a command after which the plant was set differently than asked; `None` if nothing was.
     pub interventions: Option<f64>,
+    /// How much of what was asked was replaced, the mean over ticks with a command; `None` if nothing was asked. With
+    /// commands the same as `interventions`, on axes the distance as a share of the longest that there is.
+    pub replaced: Option<f64>,
     /// Share of ticks with a command at which another label was carried out; `None` if nothing was asked.
     pub nominal_interventions: Option<f64>,
     /// Share of ticks with a command at which the opposite was carried out; `None` if nothing was asked.
@@ -59,6 +62,7 @@ impl EpisodeMeasures {
             "key_presses" => Some(f64::from(self.key_presses)),
             "commands_per_second" => Some(self.commands_per_second),
             "interventions" => self.interventions,
+            "replaced" => self.replaced,
             "nominal_interventions" => self.nominal_interventions,
             "opposed" => self.opposed,
             "goal_accuracy" => Some(self.goal_accuracy),
@@ -77,6 +81,7 @@ pub struct Tally {
     goals_right: Vec<bool>,
     asked: u32,
     effective: u32,
+    replaced: f64,
     nominal: u32,
     opposed: u32,
     switches: u32,
@@ -100,6 +105,7 @@ impl Tally {
         if let Some(intervention) = tick.intervention {
             self.asked += 1;
             self.effective += u32::from(intervention.effective);
+            self.replaced += f64::from(intervention.replaced);
             self.nominal += u32::from(intervention.nominal);
             self.opposed += u32::from(intervention.opposed);
         }
@@ -108,7 +114,8 @@ impl Tally {
     /// The measures of the finished episode. `key_presses` and the plant's tick rate come from outside the ticks.
     pub fn finish(&self, key_presses: u32, ticks_per_second: f64) -> EpisodeMeasures {
         let steps = self.goals_right.len();
-        let of_asked = |count: u32| (self.asked > 0).then(|| f64::from(count) / f64::from(self.asked));
+        let mean_of_asked = |sum: f64| (self.asked > 0).then(|| sum / f64::from(self.asked));
+        let of_asked = |count: u32| mean_of_asked(f64::from(count));
         let of_steps = |sum: f64| if steps == 0 { 0.0 } else { sum / steps as f64 };
         EpisodeMeasures {
             ending: self.ending.unwrap_or(Ending::Abandoned),
@@ -118,6 +125,7 @@ impl Tally {
             key_presses,
             commands_per_second: of_steps(f64::from(self.asked)) * ticks_per_second,
             interventions: of_asked(self.effective),
+            replaced: mean_of_asked(self.replaced),
             nominal_interventions: of_asked(self.nominal),
             opposed: of_asked(self.opposed),
             goal_accuracy: of_steps(self.goals_right.iter().filter(|right| **right).count() as f64),
@@ -139,8 +147,9 @@ mod tests {
         let nothing_asked = Tally::default().finish(0, 50.0);
         assert_eq!(nothing_asked.interventions, None);
         let asked =
-            Tally { asked: 4, effective: 1, ending: Some(Ending::Goal), ..Tally::default() }.finish(2, 50.0);
-        assert_eq!(asked.interventions, Some(0.25));
+            Tally { asked: 4, effective: 1, replaced: 0.5, ending: Some(Ending::Goal), ..Tally::default() }
+                .finish(2, 50.0);
+        assert_eq!((asked.interventions, asked.replaced), (Some(0.25), Some(0.125)));
         for measure in OF_AN_EPISODE.iter().chain(&OF_A_PARTICIPANT).filter(|measure| measure.key != "ending")
         {
             assert!(asked.value(measure.key).is_some(), "{} has no value", measure.key);

@@ -69,6 +69,14 @@ pub enum ExperimentError {
     /// A model is missing or does not fit.
     #[error(transparent)]
     Cockpit(#[from] CockpitError),
+    /// No intent model has the variant that is asked for.
+    #[error("no intent model for this plant is of the variant {asked:?}; there are: {known}")]
+    NoVariant {
+        /// What was asked for.
+        asked: String,
+        /// The variants that there are.
+        known: String,
+    },
     /// A pilot could not be made.
     #[error("a simulated pilot could not be made: {0}")]
     Pilot(String),

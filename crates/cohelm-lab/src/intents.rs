@@ -94,6 +94,7 @@ pub struct AfterChange {
 impl IntentTrial {
     /// Flies it all; rows are by rule, then inference, whatever the number of threads.
     pub fn run(&self, rig: &Rig<'_>) -> Result<Vec<IntentRow>, ExperimentError> {
+        self.check_variant(rig)?;
         let kinds: Vec<(Rule, Inference)> = self
             .rules
             .iter()
@@ -106,6 +107,21 @@ impl IntentTrial {
         let flown: Vec<Watched> = flown.into_iter().collect::<Result<_, _>>()?;
         let rows = kinds.iter().zip(flown.chunks(flights.max(1)));
         Ok(rows.map(|(&(rule, inference), flown)| row(rule, inference, flown)).collect())
+    }
+
+    /// Refuses a variant that no model has, as the usual ones would be measured under its name.
+    fn check_variant(&self, rig: &Rig<'_>) -> Result<(), ExperimentError> {
+        let Some(asked) = &self.variant else { return Ok(()) };
+        let space = rig.plants.make(&self.task)?.space().clone();
+        let cards = rig.models.iter().map(Model::card).filter(|card| {
+            card.kind == Kind::Intent && card.task.plant == self.task.plant && card.space == space
+        });
+        let known: Vec<&str> = cards.filter_map(|card| card.variant.as_deref()).collect();
+        if known.contains(&asked.as_str()) {
+            return Ok(());
+        }
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        Err(ExperimentError::NoVariant { asked: asked.clone(), known })
     }
 
     fn fly(

@@ -147,16 +147,30 @@ impl Critic {
     /// # Panics
     /// If a place is not below [`CriticShape::action`], or `phi` is not [`CriticShape::width`] long.
     pub fn embed(&self, action: &[Feature], phi: &mut [f32]) {
-        let weights = self.action.weights(&self.params);
-        phi.copy_from_slice(self.action.bias(&self.params));
+        let mut done = 0;
+        while phi.len() - done >= 32 {
+            self.embed_block::<32>(action, phi, done);
+            done += 32;
+        }
+        while phi.len() > done {
+            self.embed_block::<1>(action, phi, done);
+            done += 1;
+        }
+    }
+
+    /// `N` neighbouring features, whose sums stay in registers.
+    fn embed_block<const N: usize>(&self, action: &[Feature], phi: &mut [f32], first: usize) {
+        let (weights, width) = (self.action.weights(&self.params), phi.len());
+        let mut sums = [0.0; N];
+        sums.copy_from_slice(&self.action.bias(&self.params)[first..][..N]);
         for &(place, number) in action {
-            let row = &weights[place * phi.len()..][..phi.len()];
-            for (sum, &weight) in phi.iter_mut().zip(row) {
+            let row = &weights[place * width + first..][..N];
+            for (sum, &weight) in sums.iter_mut().zip(row) {
                 *sum += number * weight;
             }
         }
-        for phi in phi {
-            *phi = if *phi > 0.0 { *phi } else { 0.0 };
+        for (phi, sum) in phi[first..][..N].iter_mut().zip(sums) {
+            *phi = if sum > 0.0 { sum } else { 0.0 };
         }
     }
 

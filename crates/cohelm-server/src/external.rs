@@ -5,13 +5,15 @@
 //! | `words` | what page and server say to each other about it |
 //! | `crew` | its setup and its cockpit |
 //! | `drive` | the loop: one tick when it is due, and the dead man |
+//! | `presence` | whether somebody is at the page |
 //! | `talk` | one connection with a page |
 //!
-//! One episode is flown at a time, by whoever came first. What the page is shown is the newest tick there is: nothing
-//! waits behind a slow page. Losing the plant ends the episode; losing the person lets go of everything, then ends it.
+//! One episode is flown at a time, by whoever came first. A page is sent the newest tick there is, and no more than a few
+//! that it has not yet shown: nothing waits behind a slow page. Losing the plant ends the episode; losing the person lets go of everything, then ends it.
 
 mod crew;
 mod drive;
+mod presence;
 mod talk;
 #[cfg(test)]
 mod tests;

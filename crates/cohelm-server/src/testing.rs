@@ -1,6 +1,7 @@
 //! What the tests of this crate share: a page that flies the point, and a database in a folder of its own.
 
 pub mod buttons;
+pub mod pumps;
 
 use crate::follow::End;
 use crate::hangar::Hangar;

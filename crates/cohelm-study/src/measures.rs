@@ -118,7 +118,7 @@ impl Measure<'_> {
 pub const ENDINGS: [&str; 6] = ["goal", "elsewhere", "crash", "out-of-bounds", "time-limit", "abandoned"];
 
 /// The measures of one episode, in the order of the columns.
-pub const OF_AN_EPISODE: [Measure<'static>; 14] = [
+pub const OF_AN_EPISODE: [Measure<'static>; 15] = [
     Measure {
         key: "ending",
         name: "ending",
@@ -182,6 +182,17 @@ pub const OF_AN_EPISODE: [Measure<'static>; 14] = [
         name: "interventions",
         meaning: "Share of the ticks with a command after which the plant was set differently than the asked command would \
                   have set it: interventions by effect.",
+        unit: Unit::Share,
+        range: Range::Unit,
+        missing_when: "the pilot asked for nothing",
+        decimals: 1,
+    },
+    Measure {
+        key: "replaced",
+        name: "replaced",
+        meaning: "How much of what was asked was replaced by something else, the mean over the ticks with a command: with \
+                  commands the same as interventions; on axes the distance of what was carried out from what was asked, as a \
+                  share of the longest distance that there is, because there nearly every help changes something.",
         unit: Unit::Share,
         range: Range::Unit,
         missing_when: "the pilot asked for nothing",

@@ -195,6 +195,18 @@ impl ActionSpace {
         }
     }
 
+    /// How much of what was asked is replaced by what is carried out, from 0 to 1, given the effect of each: on axes their
+    /// distance as a share of the longest that there is, between opposite corners; with commands all (1) or nothing (0).
+    pub fn replaced(&self, executed: Effect, asked: Effect) -> f32 {
+        match (self, executed, asked) {
+            (Self::Axes { low, high, .. }, Effect::Axes(executed), Effect::Axes(asked)) => {
+                let corner = |ends: &[f32]| core::array::from_fn(|i| ends.get(i).copied().unwrap_or(0.0));
+                distance(&executed, &asked) / distance(&corner(low), &corner(high))
+            }
+            _ => f32::from(u8::from(executed != asked)),
+        }
+    }
+
     /// The weighted sum of two actions where the space has one (Section IV, LASC): axes blend; levers blend and go to
     /// the nearest position, the robot's side winning a tie; switches and single commands have none.
     ///

@@ -38,7 +38,10 @@ impl LookAhead for Ahead<'_> {
         };
         let goals = self.plant.view().goals;
         let taken = self.belief.goal_among(goals);
-        copy.set_pilot_goal(taken);
+        // How a copy fares whose pilot still wants the true goal could tell which that is.
+        if !copy.set_pilot_goal(taken) && goals.len() > 1 {
+            return false;
+        }
         // The robot sees this one goal, whichever come and go on the way.
         let goal = self.belief.imagined_goal().or(goals.get(taken));
         let goal = goal.map_or(&[][..], std::slice::from_ref);

@@ -27,7 +27,7 @@ pub use minimal::MinimalIntervention;
 pub use regret::RegretThreshold;
 pub use robot_alone::RobotAlone;
 pub use rule::{DEFAULT_KAPPA, MOST_AHEAD, Rule, RuleError};
-pub use safe_nearest::SafeNearest;
+pub use safe_nearest::{FLIGHTS, SafeNearest};
 pub use stage::{GoalValues, Last, Likeness, LookAhead, Stage};
 pub use threshold::Threshold;
 pub use tolerance::ConstantTolerance;

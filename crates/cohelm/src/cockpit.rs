@@ -59,10 +59,12 @@ pub struct Tick<'a> {
 }
 
 /// How what was carried out differs from what was asked, at a tick at which something was.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Intervention {
     /// The plant is left set differently: this is what counts as an intervention.
     pub effective: bool,
+    /// How differently, from 0 to 1: see [`ActionSpace::replaced`](crate::action::ActionSpace::replaced).
+    pub replaced: f32,
     /// Another label, though perhaps with the same effect.
     pub nominal: bool,
     /// The opposite: similarity −1 (for axes: more against than along).
@@ -238,8 +240,10 @@ fn intervention(plant: &dyn Plant, executed: Option<Action>, asked: Action) -> I
         (Action::Axes(a), Action::Axes(b)) => a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>() < 0.0,
         _ => plant.similarity(executed, asked) <= -1.0,
     };
+    let (effect, wanted) = (plant.effect(executed), plant.effect(Some(asked)));
     Intervention {
-        effective: plant.effect(executed) != plant.effect(Some(asked)),
+        effective: effect != wanted,
+        replaced: plant.space().replaced(effect, wanted),
         nominal: executed != Some(asked),
         opposed: executed.is_some_and(against),
     }

@@ -29,9 +29,11 @@ impl Flight {
         Self { setup, plant, cockpit, keyboard, keys: Vec::new(), recorder }
     }
 
-    /// A key or stick changed; it takes effect at the next tick. Once the log is full nothing more is taken in.
+    /// A key or stick changed; it takes effect at the next tick. Once the log is full nothing more is taken in; its last
+    /// place is kept for a release of everything, after which nothing is held that would need another.
     pub fn change(&mut self, change: Change, at_ms: f32) {
-        if self.keys.len() < MAX_EVENTS && self.recorder.ending().is_none() {
+        let places = MAX_EVENTS - usize::from(change != Change::ReleaseAll);
+        if self.keys.len() < places && self.recorder.ending().is_none() {
             self.keyboard.change(change);
             self.keys.push(KeyEvent { tick: self.ticks(), change, at_ms });
         }
@@ -168,4 +170,42 @@ fn same_requests(trajectory: &Trajectory, plant: &dyn Plant) -> bool {
         }
         keyboard.next_request() == asked
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arbitration::{HumanAlone, Rule};
+    use crate::cockpit::Silence;
+    use crate::intent::Inference;
+    use crate::point::{self, Point};
+    use crate::registry::Task;
+
+    fn flight() -> Flight {
+        let setup = Setup {
+            task: Task::new("point"),
+            plant_version: point::entry().version,
+            seed: 1,
+            rule: Rule::Hic,
+            inference: Inference::Nearest,
+            silence: Silence::Nothing,
+            time_scale: 1.0,
+            values: None,
+            intent: None,
+            pilot: "person".into(),
+        };
+        let cockpit = Cockpit::unassisted(&Point::new(), Box::new(HumanAlone)).with_silence(Silence::Nothing);
+        Flight::new(setup, Box::new(Point::new()), cockpit)
+    }
+
+    #[test]
+    fn a_full_log_still_takes_a_release_of_everything() {
+        let mut flight = flight();
+        (0..2 * MAX_EVENTS).for_each(|_| flight.change(Change::Stick([20_000, 0, 0, 0]), 0.0));
+        assert!(flight.tick().unwrap().asked.is_some());
+        (0..3).for_each(|_| flight.change(Change::ReleaseAll, 1.0));
+        assert_eq!(flight.tick().unwrap().asked, None);
+        assert_eq!(flight.keys().len(), MAX_EVENTS);
+        assert_eq!(Trajectory::from_bytes(&flight.finish().to_bytes()).unwrap().keys.len(), MAX_EVENTS);
+    }
 }

@@ -59,7 +59,8 @@ fn fly(plant: &mut dyn Plant, seed: u64) -> Result<Vec<u64>, Broken> {
     let mut draws = Draws::fork(seed, 0x6c61_7773);
     let (space, length) = (plant.space().clone(), plant.view().state.len());
     let mut copy: Option<Box<dyn Plant>> = None;
-    let mut bits = Vec::new();
+    let mut bits = seen(plant);
+    situation(plant, length, 0).map_err(|law| broken(plant, seed, &law))?;
     for tick in 1..=MOST_TICKS {
         let action = any_action(&space, &mut draws);
         let step = plant.step(action);

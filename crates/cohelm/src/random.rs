@@ -98,8 +98,6 @@ fn seed_sequence(seed: u64) -> [u64; 4] {
 mod tests {
     use super::*;
 
-    // Recorded with numpy 2.4.6: g = np.random.default_rng(SEED); [float(g.random()).hex() for _ in range(3)], then
-    // g.uniform(-2, 5).
     #[test]
     fn what_was_written_down_goes_on_where_it_was() {
         let mut draws = Draws::new(11);
@@ -108,6 +106,8 @@ mod tests {
         assert_eq!([read.bits(), read.bits()], [draws.bits(), draws.bits()]);
     }
 
+    // Recorded with numpy 2.4.6: g = np.random.default_rng(SEED); [float(g.random()).hex() for _ in range(3)], then
+    // g.uniform(-2, 5).
     #[test]
     fn draws_are_numpys() {
         for (seed, units, uniform) in NUMPY {

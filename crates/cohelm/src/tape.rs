@@ -134,6 +134,11 @@ impl Tape {
         self.lost = Some(why.chars().take(bytes::MAX_REASON).collect());
     }
 
+    /// For how many ticks like the last there is room.
+    pub fn room(&self) -> usize {
+        (MAX_TAPE - self.size.min(MAX_TAPE)) / bytes::size_of(self.last())
+    }
+
     /// What the plant says of itself.
     pub fn about(&self) -> &Described {
         &self.about
@@ -237,6 +242,11 @@ impl Plant for Taped {
     fn tape(&self) -> Option<&Tape> {
         Some(&self.tape)
     }
+}
+
+/// Whether a plant may be driven at so many ticks a second: 1 to 200.
+pub fn check_rate(ticks_per_second: f64) -> Result<(), TapeError> {
+    sound::rate(ticks_per_second)
 }
 
 /// The task of a plant that is elsewhere and goes by that name.

@@ -47,6 +47,65 @@ impl ValueModel for Compass {
     }
 }
 
+/// Pushes in a plane: worth is how near a push is to the way to the goal. Most candidates lie near the best of the goal that
+/// was asked about, as those of a critic do.
+struct Needle(ActionValues);
+
+impl Needle {
+    fn way(view: &View<'_>, goal: usize) -> [f32; 2] {
+        let goal = view.goals[goal].position;
+        [0, 1].map(|i| (goal[i] - view.position[i]).clamp(-1.0, 1.0))
+    }
+
+    fn worth(way: [f32; 2], action: Action) -> f32 {
+        -(action.axis(0) - way[0]).abs() - (action.axis(1) - way[1]).abs()
+    }
+}
+
+impl ValueModel for Needle {
+    fn estimate(&mut self, view: &View<'_>, goal: usize, asked: Option<Action>) -> &ActionValues {
+        let way = Self::way(view, goal);
+        let near = (-4..=4).map(|i| Action::axes(&[way[0], way[1] + 0.01 * i as f32]));
+        let candidates: Vec<Action> = asked.into_iter().chain(near).collect();
+        let values = candidates.iter().map(|&action| Self::worth(way, action)).collect();
+        self.0 = ActionValues::new(candidates, values).unwrap();
+        &self.0
+    }
+
+    fn assess(
+        &mut self,
+        view: &View<'_>,
+        goal: usize,
+        actions: &[Action],
+        _asked: Option<Action>,
+        values: &mut Vec<f32>,
+    ) {
+        let way = Self::way(view, goal);
+        values.clear();
+        values.extend(actions.iter().map(|&action| Self::worth(way, action)));
+    }
+}
+
+#[test]
+fn on_axes_no_goal_is_favoured_by_its_place_among_the_others() {
+    let axes = ActionSpace::Axes {
+        names: ["x", "y"].map(String::from).into(),
+        low: vec![-1.0; 2],
+        high: vec![1.0; 2],
+    };
+    let needle = Box::new(Needle(ActionValues::equal(vec![Action::axes(&[])]).unwrap()));
+    let mut model = ValueIntent::new(needle, &axes, 1.0, Evidence::default()).unwrap();
+    let mut ask = |push: [f32; 2]| {
+        model.begin();
+        let belief = model.infer(&view(0, &two()), Some(Action::axes(&push)));
+        [belief.probabilities()[0], belief.probabilities()[1]]
+    };
+    // The two goals lie as far to the left as to the right.
+    let [up, left, right] = [[0.0, 0.5], [-0.5, 0.0], [0.5, 0.0]].map(&mut ask);
+    assert!((up[0] - 0.5).abs() < 1e-6, "{up:?}");
+    assert!(left[0] > 0.5 && (left[0] - right[1]).abs() < 1e-6, "{left:?} {right:?}");
+}
+
 fn space() -> ActionSpace {
     let names = ["stay", "left", "right", "down", "up"].map(String::from).into();
     ActionSpace::Single { names, pushes: vec![None; 5] }

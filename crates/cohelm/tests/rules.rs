@@ -1,7 +1,9 @@
 //! What the rules promise, over random values, likenesses and confidences (Section III-C and its extremes).
 
 use cohelm::action::Action;
-use cohelm::arbitration::{Arbiter, GoalValues, Last, Likeness, LookAhead, Pick, Rule, RuleError, Stage};
+use cohelm::arbitration::{
+    Arbiter, FLIGHTS, GoalValues, Last, Likeness, LookAhead, Pick, Rule, RuleError, Stage,
+};
 use cohelm::intent::Belief;
 use cohelm::value::ActionValues;
 use proptest::prelude::*;
@@ -65,7 +67,12 @@ fn highest(values: &[f32]) -> f32 {
     values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
 }
 
-const THRESHOLD_RULES: [Rule; 3] = [Rule::Misc, Rule::Tolerance { alpha: 0.4 }, Rule::MiscR { kappa: 0.7 }];
+const THRESHOLD_RULES: [Rule; 4] = [
+    Rule::Misc,
+    Rule::Tolerance { alpha: 0.4 },
+    Rule::MiscR { kappa: 0.7 },
+    Rule::MiscH { kappa: 0.7, release: 0.5 },
+];
 
 proptest! {
     #[test]
@@ -264,19 +271,40 @@ fn the_threshold_takes_over_above_its_confidence_and_not_at_it() {
 
 /// A decision with values for every goal, of which the first is the inferred one.
 fn decide_for(rule: Rule, of_goals: &[[f32; 3]], probabilities: &[f32], asked: usize) -> Pick {
+    decide_for_goals(rule, of_goals, probabilities, Some(asked)).0
+}
+
+/// The same, and which candidates were allowed.
+fn decide_for_goals(
+    rule: Rule,
+    of_goals: &[[f32; 3]],
+    probabilities: &[f32],
+    asked: Option<usize>,
+) -> (Pick, [bool; 3]) {
     let candidates = (0..3).map(Action::Command).collect();
     let values = ActionValues::new(candidates, of_goals[0].to_vec()).unwrap();
     let belief = Belief::from_probabilities(probabilities);
     let likeness = [0, 1, 2].map(|i| {
-        let same = i == asked;
+        let same = Some(i) == asked;
         Likeness { similarity: if same { 1.0 } else { 0.0 }, same_label: same, same_effect: same }
     });
     let all = of_goals.concat();
-    let mut stage = Stage::new(&values, Some(&likeness), &belief);
+    let mut stage = Stage::new(&values, asked.map(|_| &likeness[..]), &belief);
     stage.of_goals = GoalValues::new(&all, 3);
     let arbiter = rule.arbiter(1.0).unwrap();
     assert!(arbiter.needs().every_goal);
-    arbiter.decide(&stage, &mut [false; 3])
+    let mut allowed = [false; 3];
+    (arbiter.decide(&stage, &mut allowed), allowed)
+}
+
+#[test]
+fn with_nothing_asked_hindsight_flies_the_average_and_the_hedged_rule_the_likeliest_goal() {
+    let goals = [[1.0, 0.8, 0.0], [0.0, 0.8, 1.0]];
+    let silent = |rule| decide_for_goals(rule, &goals, &[0.5, 0.5], None);
+    let of_hindsight = silent(Rule::Hindsight { likeness: 0.4 });
+    assert_eq!(of_hindsight, (Pick::Candidate(1), [false, true, false]));
+    let of_hedged = silent(Rule::MiscH { kappa: 1.0, release: 0.5 });
+    assert_eq!(of_hedged, (Pick::Candidate(0), [true, false, false]));
 }
 
 #[test]
@@ -327,7 +355,7 @@ fn hedged_regret_excuses_what_is_good_for_a_likely_goal_and_holds_on_after_an_in
 
 /// Knows which candidates are safe, and how often it was asked.
 struct Oracle {
-    safe: [bool; 3],
+    safe: Vec<bool>,
     asked: std::cell::RefCell<Vec<usize>>,
 }
 
@@ -340,10 +368,10 @@ impl LookAhead for Oracle {
 
 #[test]
 fn safe_nearest_tries_the_nearest_first_and_stops_at_the_first_that_is_safe() {
-    let tried = |safe, likeness: bool| {
+    let tried = |safe: [bool; 3], likeness: bool| {
         let case = three(0.5);
         let values = ActionValues::new((0..3).map(Action::Command).collect(), case.values).unwrap();
-        let (belief, ahead) = (believed(0.5), Oracle { safe, asked: Vec::new().into() });
+        let (belief, ahead) = (believed(0.5), Oracle { safe: safe.into(), asked: Vec::new().into() });
         let mut stage = Stage::new(&values, likeness.then_some(&case.likeness), &belief);
         stage.ahead = Some(&ahead);
         let mut allowed = [false; 3];
@@ -360,4 +388,34 @@ fn safe_nearest_tries_the_nearest_first_and_stops_at_the_first_that_is_safe() {
         (Pick::Candidate(2), [false, false, true], vec![]),
         "nothing is asked"
     );
+}
+
+#[test]
+fn of_many_candidates_safe_nearest_tries_some_from_the_nearest_to_the_farthest() {
+    let likeness: Vec<Likeness> = (0..128)
+        .map(|index| Likeness {
+            similarity: -(index as f32),
+            same_label: index == 0,
+            same_effect: index == 0,
+        })
+        .collect();
+    let mut worth = vec![0.0; 128];
+    worth[127] = 1.0;
+    let candidates = (0..128).map(|index| Action::axes(&[index as f32 / 127.0])).collect();
+    let values = ActionValues::new(candidates, worth).unwrap();
+    let (belief, arbiter) = (believed(0.5), Rule::SafeNearest { hold: 5, horizon: 30 }.arbiter(1.0).unwrap());
+    let tried = |safe: Vec<bool>| {
+        let ahead = Oracle { safe, asked: Vec::new().into() };
+        let mut stage = Stage::new(&values, Some(&likeness), &belief);
+        stage.ahead = Some(&ahead);
+        let mut allowed = [false; 128];
+        let pick = arbiter.decide(&stage, &mut allowed);
+        assert_eq!(allowed.iter().filter(|&&allowed| allowed).count(), 1);
+        (pick, ahead.asked.into_inner())
+    };
+    let some: Vec<usize> = (0..128).step_by(13).collect();
+    assert!(some.len() <= FLIGHTS);
+    assert_eq!(tried(vec![false; 128]), (Pick::Candidate(127), some.clone()));
+    let from_the_fifteenth = (0..128).map(|index| index > 13).collect();
+    assert_eq!(tried(from_the_fifteenth), (Pick::Candidate(26), some[..3].to_vec()));
 }

@@ -33,7 +33,7 @@ pub struct Compare {
     /// Another value or intent model than the shipped ones; may be given again.
     #[arg(long = "model", value_name = "FILE")]
     models: Vec<PathBuf>,
-    /// The folder to write; made anew.
+    /// The folder to write into.
     #[arg(long, value_name = "FOLDER", default_value = "compare")]
     out: PathBuf,
     /// Threads, which change nothing but the time; 0 for one a core.
@@ -136,7 +136,7 @@ fn told(compared: &Compared) -> Result<serde_json::Value> {
         let margin = compared.margin(entered)?;
         Ok(json!({
             "setting": stand.setting, "success": stand.mean("success"), "crash": stand.mean("crash"),
-            "interventions": stand.mean("interventions"), "opposed": stand.mean("opposed"),
+            "replaced": stand.mean("replaced"), "interventions": stand.mean("interventions"), "opposed": stand.mean("opposed"),
             "above_the_line": margin, "against_the_line": margin.against(),
         }))
     });
@@ -156,14 +156,14 @@ fn text(compared: &Compared) -> String {
                 let (low, high) = (margin.interval.low, margin.interval.high);
                 format!("{:+.3} [{low:+.3}, {high:+.3}]", margin.success)
             });
-            let numbers = ["success", "crash", "steps", "interventions", "opposed"].map(mean);
+            let numbers = ["success", "crash", "steps", "replaced", "opposed"].map(mean);
             std::iter::once(entered.held_out.setting.rule.to_string())
                 .chain(numbers)
                 .chain([margin])
                 .collect()
         })
         .collect();
-    let head = ["rule, as tuned", "success", "crash", "steps", "interventions", "opposed", "above the line"];
+    let head = ["rule, as tuned", "success", "crash", "steps", "replaced", "opposed", "above the line"];
     let verdicts = compared.verdicts().unwrap_or_default();
     format!("{}\n\n{}\n\n{}", compared.bench.name, table(&head, &rows), verdicts.join("\n"))
 }

@@ -93,10 +93,11 @@ impl Fly {
             server = server.with_plant_elsewhere(Elsewhere::new(address, self.external_time_out));
         }
         let (address, database) = (listener.local_addr()?, self.database.display());
+        let stop = stop_signal()?;
         say(&format!(
             "cohelm flies at http://{address}{query}\nflights are stored in {database}; Ctrl-C ends"
         ));
-        serve(listener, server, stop_signal()).await?;
+        serve(listener, server, stop).await?;
         store.close().await;
         Ok(())
     }
@@ -128,21 +129,28 @@ pub async fn open_existing(database: &Path) -> Result<Arc<SqliteStore>> {
     Ok(Arc::new(SqliteStore::open_existing(database).await?))
 }
 
-/// Done when somebody asks the program to end.
-pub async fn stop_signal() {
-    let interrupted = tokio::signal::ctrl_c();
+/// Hears from now on whether somebody asks the program to end; done when somebody has. To be called before anybody is told
+/// that the program is there: who then asks at once is not to find it killed with its database open.
+pub fn stop_signal() -> std::io::Result<impl Future<Output = ()>> {
     #[cfg(unix)]
     {
         use tokio::signal::unix::{SignalKind, signal};
-        if let Ok(mut terminated) = signal(SignalKind::terminate()) {
+        let (mut interrupted, mut terminated) =
+            (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?);
+        Ok(async move {
             tokio::select! {
-                _ = interrupted => {}
+                _ = interrupted.recv() => {}
                 _ = terminated.recv() => {}
             }
-            return;
-        }
+        })
     }
-    let _ = interrupted.await;
+    #[cfg(windows)]
+    {
+        let mut interrupted = tokio::signal::windows::ctrl_c()?;
+        Ok(async move {
+            interrupted.recv().await;
+        })
+    }
 }
 
 /// Writes what runs long to standard error; RUST_LOG says how much (warnings unless it is set).

@@ -3,11 +3,14 @@
 use super::curve::Curve;
 use super::stand::{Stand, Unit};
 use super::tuning::{Tried, best};
-use super::{CompareError, Draw, HeldOut, Setting, contenders, tolerances};
+use super::{CompareError, Draw, HeldOut, Setting, contenders, robots, tolerances};
 use crate::experiment::{Condition, Experiment, ExperimentError, Rig};
+use cohelm::arbitration::Rule;
 use cohelm::human::{Person, Population};
+use cohelm::intent::Head;
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
+use cohelm::random::mix_seed;
 use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Kind, Models};
 use serde::Serialize;
@@ -102,10 +105,15 @@ impl Bench {
 impl Comparison<'_> {
     /// Tunes every rule on a bench, then compares them there.
     pub fn run(&self, bench: &Bench) -> Result<Compared, CompareError> {
-        let contenders = contenders();
-        let tried = self.tune(bench, &contenders)?;
+        let robots = self.tune(bench, robots())?;
+        let head = robots[best(&robots)].setting.inference.head().unwrap_or(Head::Calibrated);
+        let tune = |settings: Vec<Setting>| match settings[0].rule {
+            Rule::Robot => Ok(robots.clone()),
+            _ => self.tune(bench, settings),
+        };
+        let tried = contenders(head).into_iter().map(tune).collect::<Result<Vec<_>, _>>()?;
         let chosen: Vec<Setting> = tried.iter().map(|tried| tried[best(tried)].setting).collect();
-        let line = tolerances();
+        let line = tolerances(head);
         let settings: Vec<Setting> = chosen.iter().chain(&line).copied().collect();
         let fly = |populations: &[Population]| {
             let draw = Draw { seed: self.draws.held_out.seed, populations: populations.to_vec() };
@@ -120,14 +128,14 @@ impl Comparison<'_> {
         Ok(Compared { bench: bench.clone(), entered, curve, curve_of_seen })
     }
 
-    fn tune(&self, bench: &Bench, contenders: &[Vec<Setting>]) -> Result<Vec<Vec<Tried>>, CompareError> {
-        let settings: Vec<Setting> = contenders.iter().flatten().copied().collect();
+    fn tune(&self, bench: &Bench, settings: Vec<Setting>) -> Result<Vec<Tried>, CompareError> {
         let stands = self.fly(bench, &self.draws.tuning, &settings, self.budget.tuning_episodes)?;
-        let mut tried = stands.iter().map(Tried::of);
-        Ok(contenders.iter().map(|settings| tried.by_ref().take(settings.len()).collect()).collect())
+        Ok(stands.iter().map(Tried::of).collect())
     }
 
-    /// Every setting, flown by the same people through the same episodes, with the same chance in their hands.
+    /// Every setting, flown by the same people through the same episodes, with the same chance in their hands. Each kind of
+    /// people has episodes and techniques of its own: with the same ones, kinds would be near-twins, and intervals that draw
+    /// people anew within each would be too narrow.
     pub(super) fn fly(
         &self,
         bench: &Bench,
@@ -138,7 +146,9 @@ impl Comparison<'_> {
         let stand = |&setting: &Setting| {
             let units = draw.populations.iter().map(|&population| {
                 // One condition an experiment, because the chance in a pilot's hands hangs on the condition's number.
-                let experiment = self.experiment(bench, draw.seed, setting, episodes);
+                let kind = Population::ALL.iter().position(|&known| known == population).unwrap_or(0);
+                let seed = mix_seed(draw.seed, kind as u64);
+                let experiment = self.experiment(bench, seed, setting, episodes);
                 self.units(&experiment, population)
             });
             let units: Vec<Vec<Unit>> = units.collect::<Result<_, _>>()?;

@@ -1,17 +1,17 @@
 //! The line of constant tolerances, and how far above or below it a rule stands.
 
-use super::stand::{INTERVENTIONS, SUCCESS, Stand};
+use super::stand::{REPLACED, SUCCESS, Stand};
 use cohelm_study::statistics::{Interval, Undefined};
 use serde::Serialize;
 
-/// Success over interventions of constant tolerances, joined by straight lines.
+/// Success of constant tolerances over how much they replace, joined by straight lines.
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
     /// The tolerances, flown by the same people.
     pub stands: Vec<Stand>,
 }
 
-/// A rule against the curve at as many interventions.
+/// A rule against the curve where that replaces as much.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Margin {
     /// Success of the rule minus that of the curve.
@@ -59,14 +59,14 @@ impl Curve {
     pub(super) fn margin(&self, stand: &Stand) -> Result<Margin, Undefined> {
         let above = |chosen: &[usize]| {
             let points = self.points(chosen);
-            let at = stand.mean_of(INTERVENTIONS, chosen);
+            let at = stand.mean_of(REPLACED, chosen);
             Some(stand.mean_of(SUCCESS, chosen) - on_line(&points, at))
         };
         let margin = stand.resampled(above)?;
         Ok(Margin { success: margin.estimate, interval: margin.interval })
     }
 
-    /// Interventions and success of each tolerance among all people, by interventions.
+    /// How much each tolerance replaces and its success among all people, by the former.
     pub fn line(&self) -> Vec<(f64, f64)> {
         let everybody: Vec<usize> = (0..self.stands.first().map_or(0, |stand| stand.units.len())).collect();
         self.points(&everybody)
@@ -77,7 +77,7 @@ impl Curve {
     }
 
     fn points(&self, chosen: &[usize]) -> Vec<(f64, f64)> {
-        let point = |stand: &Stand| (stand.mean_of(INTERVENTIONS, chosen), stand.mean_of(SUCCESS, chosen));
+        let point = |stand: &Stand| (stand.mean_of(REPLACED, chosen), stand.mean_of(SUCCESS, chosen));
         let mut points: Vec<(f64, f64)> = self.stands.iter().map(point).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points

@@ -1,8 +1,8 @@
 //! The report of a comparison: tables, the figure, and what loses where, computed.
 
 use super::curve::{Against, Curve, Margin};
-use super::stand::{INTERVENTIONS, SUCCESS, Stand};
-use super::{CompareError, Compared, Comparison, Entered, MEASURES, SETTINGS, WEIGHT_OF_INTERVENTION};
+use super::stand::{REPLACED, SUCCESS, Stand};
+use super::{CompareError, Compared, Comparison, Entered, MEASURES, SETTINGS, WEIGHT_OF_REPLACED};
 use cohelm::human::Population;
 use cohelm_study::csv::{Cell, Csv};
 use cohelm_study::export::{Column, Kind, Sheet};
@@ -35,8 +35,8 @@ pub fn document(
 ) -> Result<Document, CompareError> {
     let mut document = Document::new("Every rule on the same bench");
     document.lead = Text::from(
-        "Rules of arbitration on the same values, intents, simulated people and seeds, each tuned with the same budget; \
-         success against the share of commands replaced, with the line of constant tolerances behind.",
+        "Rules of arbitration on the same values, inference, simulated people and seeds, each tuned on the same episodes; \
+         success against how much of what was asked was replaced, with the line of constant tolerances behind.",
     );
     document.facts = facts(comparison, making);
     document.push(Block::warning(
@@ -76,9 +76,10 @@ fn facts(comparison: &Comparison<'_>, making: &Making) -> Vec<(String, String)> 
 
 fn how(comparison: &Comparison<'_>) -> String {
     format!(
-        "Every rule may try at most {SETTINGS} settings of its parameters and of the confidence, {} episodes a person each; it \
-         enters with the one that has the highest success − {WEIGHT_OF_INTERVENTION} · interventions. The table is flown by \
-         other kinds of people on other seeds, the same for every rule down to the chance in the pilot’s hands. Intervals are \
+        "Every rule may try at most {SETTINGS} settings, {} episodes a person each; it enters with the one that has the highest \
+         success − {WEIGHT_OF_REPLACED} · replaced. Rules that ask for no more than the goal share the head of the inference with \
+         which the robot alone does best; for rules that ask how sure the co-pilot is, the head is a setting. The table is flown \
+         by other kinds of people on other seeds, the same for every rule down to the chance in the pilot’s hands. Intervals are \
          95 % bootstrap intervals that draw people anew within each kind.",
         comparison.budget.tuning_episodes
     )
@@ -88,9 +89,10 @@ fn on_bench(compared: &Compared, document: &mut Document) -> Result<(), CompareE
     let name = &compared.bench.name;
     document.push(Block::heading(name.clone()));
     document.push(Block::Table(main_table(compared)?));
+    document.push(Block::Table(every_kind(compared)));
     document.push(Block::figure(
         figure(compared)?,
-        "Success against interventions of the people held out. The grey line joins constant tolerances; the dashed steps \
+        "Success of the people held out against how much of what they asked was replaced. The grey line joins constant tolerances; the dashed steps \
          join what no rule beats on both.",
         format!("figures/{name}"),
     ));
@@ -117,9 +119,28 @@ fn main_table(compared: &Compared) -> Result<Table, Undefined> {
             .collect(),
         rows: compared.entered.iter().map(row).collect::<Result<_, _>>()?,
         notes: vec![Text::from(
-            "Interventions and opposed commands are shares of the ticks with a command; who is left alone has none.",
+            "What was replaced, interventions and opposed commands are means over the ticks with a command; who is left alone has none.",
         )],
     })
+}
+
+/// Every rule, kind by kind.
+fn every_kind(compared: &Compared) -> Table {
+    let kinds = kinds(&compared.curve.stands);
+    let row = |entered: &Entered| {
+        let cell = |&kind: &Population| {
+            let stand = entered.held_out.among(&[kind]);
+            Text::from(format!("{:.2} at {:.2}", stand.mean("success"), stand.mean("replaced")))
+        };
+        [Text::from(entered.word())].into_iter().chain(kinds.iter().map(cell)).collect()
+    };
+    let heads = kinds.iter().map(|kind| (Text::from(kind.word()), Align::Right));
+    Table {
+        caption: Text::from(format!("{}: success at how much was replaced, by kind.", compared.bench.name)),
+        columns: [(Text::from("Rule"), Align::Left)].into_iter().chain(heads).collect(),
+        rows: compared.entered.iter().map(row).collect(),
+        notes: vec![Text::from("With intervals, and every other measure by kind: rules.csv.")],
+    }
 }
 
 /// The rules that are judged against the line, kind by kind: those held out, then those that tuning saw.
@@ -133,7 +154,7 @@ fn by_kind(compared: &Compared) -> Result<Table, Undefined> {
             let margin = |entered: &Entered| {
                 let stand = flown(entered).among(&[kind]);
                 let margin = curve.margin(&stand)?;
-                let (success, replaced) = (stand.mean("success"), stand.mean("interventions"));
+                let (success, replaced) = (stand.mean("success"), stand.mean("replaced"));
                 Ok(Text::from(format!("{success:.2} at {replaced:.2}: {}", signed(&margin))))
             };
             let cells = judged().map(margin).collect::<Result<Vec<_>, Undefined>>()?;
@@ -144,7 +165,7 @@ fn by_kind(compared: &Compared) -> Result<Table, Undefined> {
     let heads = judged().map(|entered| (Text::from(entered.word()), Align::Right));
     Ok(Table {
         caption: Text::from(format!(
-            "{}: success at interventions, and above (+) or below (−) the line of the same people.",
+            "{}: success at how much was replaced, and above (+) or below (−) the line of the same people.",
             compared.bench.name
         )),
         columns: [(Text::from("People"), Align::Left)].into_iter().chain(heads).collect(),
@@ -185,14 +206,14 @@ fn verdict(entered: &Entered, compared: &Compared) -> Result<String, Undefined> 
     let mut beaten_by = Vec::new();
     for rival in rivals {
         if beats(&rival.held_out, &entered.held_out)? {
-            let (success, replaced) = (rival.held_out.mean("success"), rival.held_out.mean("interventions"));
+            let (success, replaced) = (rival.held_out.mean("success"), rival.held_out.mean("replaced"));
             beaten_by.push(format!("{} ({success:.2} at {replaced:.2})", rival.word()));
         }
     }
     let worst = worst_kind(entered, &compared.curve)?;
-    let (success, replaced) = (entered.held_out.mean("success"), entered.held_out.mean("interventions"));
+    let (success, replaced) = (entered.held_out.mean("success"), entered.held_out.mean("replaced"));
     Ok(format!(
-        "{}: success {success:.2} at {replaced:.2} of commands replaced, {} ({}). {} Among the kinds of people held out it does \
+        "{}: success {success:.2} at {replaced:.2} replaced, {} ({}). {} Among the kinds of people held out it does \
          worst with {}: {}.",
         entered.word(),
         margin.against().words(),
@@ -206,16 +227,16 @@ fn verdict(entered: &Entered, compared: &Compared) -> Result<String, Undefined> 
     ))
 }
 
-/// True if a stand is at least as good on both success and interventions, and on one of them so that the interval of the
+/// True if a stand is at least as good on success and on how much it replaces, and on one of them so that the interval of the
 /// difference leaves out nothing.
 fn beats(stand: &Stand, other: &Stand) -> Result<bool, Undefined> {
     let more = stand.mean("success") - other.mean("success");
-    let fewer = other.mean("interventions") - stand.mean("interventions");
+    let fewer = other.mean("replaced") - stand.mean("replaced");
     if more < 0.0 || fewer < 0.0 {
         return Ok(false);
     }
     let surely_more = stand.more_than(other, SUCCESS)?.low > 0.0;
-    let surely_fewer = other.more_than(stand, INTERVENTIONS)?.low > 0.0;
+    let surely_fewer = other.more_than(stand, REPLACED)?.low > 0.0;
     Ok(surely_more || surely_fewer)
 }
 
@@ -233,7 +254,7 @@ fn figure(compared: &Compared) -> Result<Figure, CompareError> {
     let mut points = Vec::new();
     for (condition, entered) in compared.entered.iter().enumerate() {
         let estimates = entered.held_out.estimates()?;
-        let (x, y) = (&estimates[INTERVENTIONS], &estimates[SUCCESS]);
+        let (x, y) = (&estimates[REPLACED], &estimates[SUCCESS]);
         points.push(ParetoPoint {
             label: entered.word().into(),
             condition,
@@ -243,7 +264,7 @@ fn figure(compared: &Compared) -> Result<Figure, CompareError> {
     }
     let scatter = ParetoScatter {
         heading: Heading::new("What help costs", compared.bench.name.clone()),
-        x: (Axis::share("Asked commands that were replaced in effect"), Better::Lower),
+        x: (Axis::share("How much of what was asked was replaced"), Better::Lower),
         y: (Axis::share("Success rate"), Better::Higher),
         conditions: Conditions::with_colours(words.zip(COLOURS.into_iter().cycle())),
         points,
@@ -268,9 +289,8 @@ fn setting_text(stand: &Stand) -> Text {
     Text::new().strong(stand.setting.rule.word()).plain(format!("{parameters}, {}", confidence(stand)))
 }
 
-fn confidence(stand: &Stand) -> String {
-    let word = serde_json::to_value(stand.setting.inference).ok();
-    word.and_then(|word| word.as_str().map(String::from)).unwrap_or_default()
+fn confidence(stand: &Stand) -> &'static str {
+    stand.setting.inference.word()
 }
 
 fn with_interval(estimate: &Bootstrapped, measure: &Measure<'_>) -> String {
@@ -302,53 +322,52 @@ pub fn files(all: &[Compared]) -> Result<Vec<(String, Vec<u8>)>, CompareError> {
     Ok(files)
 }
 
-/// A row a bench, rule and measure.
+/// A row a bench, kind of people, rule and measure: all kinds together, then each.
 fn rules(all: &[Compared]) -> Result<Csv, CompareError> {
-    let mut csv =
-        Csv::new(["bench", "people", "rule", "parameters", "confidence", "measure", "mean", "low", "high"]);
+    let identity = ["bench", "people", "population", "rule", "parameters", "confidence", "measure"];
+    let mut csv = Csv::new(identity.into_iter().chain(["mean", "low", "high"]));
     for compared in all {
-        let lines = [("held-out", &compared.curve, false), ("seen", &compared.curve_of_seen, true)];
-        for (people, curve, seen) in lines {
-            let entered = compared.entered.iter();
-            let stands = entered.map(|entered| if seen { &entered.seen } else { &entered.held_out });
-            let stands: Vec<(&Stand, &str)> = stands.map(|stand| (stand, "rule")).collect();
-            for (stand, _) in stands.into_iter().chain(curve.stands.iter().map(|stand| (stand, "line"))) {
-                let mut rows: Vec<(&str, Bootstrapped)> =
-                    MEASURES.into_iter().zip(stand.estimates()?).collect();
-                let margin = curve.margin(stand)?;
-                let mut row = |measure: &str, mean: f64, low: f64, high: f64| {
-                    let words = [
-                        compared.bench.name.clone(),
-                        people.into(),
-                        stand.setting.rule.word().into(),
-                        parameters(stand),
-                        confidence(stand),
-                        measure.into(),
-                    ];
-                    csv.push(words.map(Cell::from).into_iter().chain([mean, low, high].map(Cell::from)));
+        let entered = |seen: bool| {
+            let stands = compared.entered.iter();
+            stands.map(move |entered| if seen { &entered.seen } else { &entered.held_out })
+        };
+        for (people, seen, curve) in
+            [("held-out", false, &compared.curve), ("seen", true, &compared.curve_of_seen)]
+        {
+            for stand in entered(seen).chain(&curve.stands) {
+                let mut told = |population: &str, stand: &Stand, curve: &Curve| {
+                    let words = [&compared.bench.name, people, population].map(Cell::from);
+                    rows_of(&mut csv, words, stand, curve)
                 };
-                for (measure, of) in rows.drain(..) {
-                    row(measure, of.estimate, of.interval.low, of.interval.high);
+                told("all", stand, curve)?;
+                for kind in kinds(&curve.stands) {
+                    told(kind.word(), &stand.among(&[kind]), &curve.among(&[kind]))?;
                 }
-                row("above_the_line", margin.success, margin.interval.low, margin.interval.high);
             }
         }
     }
     Ok(csv)
 }
 
+/// A row a measure of a stand, and one for how far above the line it stands.
+fn rows_of(csv: &mut Csv, words: [Cell; 3], stand: &Stand, curve: &Curve) -> Result<(), Undefined> {
+    let margin = curve.margin(stand)?;
+    let margin = ("above_the_line", margin.success, margin.interval);
+    let estimates = MEASURES.into_iter().zip(stand.estimates()?);
+    let estimates = estimates.map(|(measure, of)| (measure, of.estimate, of.interval));
+    for (measure, mean, interval) in estimates.chain([margin]) {
+        let setting =
+            [stand.setting.rule.word(), &parameters(stand), confidence(stand), measure].map(Cell::from);
+        let numbers = [mean, interval.low, interval.high].map(Cell::from);
+        csv.push(words.clone().into_iter().chain(setting).chain(numbers));
+    }
+    Ok(())
+}
+
 /// A row a setting that tuning tried.
 fn tuning(all: &[Compared]) -> Csv {
-    let mut csv = Csv::new([
-        "bench",
-        "rule",
-        "parameters",
-        "confidence",
-        "success",
-        "interventions",
-        "score",
-        "entered",
-    ]);
+    let mut csv =
+        Csv::new(["bench", "rule", "parameters", "confidence", "success", "replaced", "score", "entered"]);
     for compared in all {
         for entered in &compared.entered {
             for tried in &entered.tried {
@@ -357,9 +376,9 @@ fn tuning(all: &[Compared]) -> Csv {
                     compared.bench.name.clone(),
                     tried.setting.rule.word().into(),
                     parameters(&stand),
-                    confidence(&stand),
+                    confidence(&stand).into(),
                 ];
-                let numbers = [tried.success, tried.interventions, tried.score].map(Cell::from);
+                let numbers = [tried.success, tried.replaced, tried.score].map(Cell::from);
                 let chosen = Cell::from(tried.setting == entered.held_out.setting);
                 csv.push(words.map(Cell::from).into_iter().chain(numbers).chain([chosen]));
             }
@@ -415,4 +434,38 @@ fn parquet(name: &'static str, table: &Csv) -> Result<Vec<u8>, CompareError> {
     };
     let columns = table.columns().iter().enumerate().map(column).collect();
     Ok(Sheet { name, columns, rows: table.rows().to_vec() }.parquet()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::stand::Unit;
+    use crate::compare::{Setting, contenders};
+    use cohelm::intent::Head;
+
+    /// Four people of each of two kinds, with success and what was replaced.
+    fn stand(numbers: [(f64, f64); 4]) -> Stand {
+        let setting: Setting = contenders(Head::Softmax)[0][0];
+        let unit = |population, (participant, &(success, replaced)): (usize, &(f64, f64))| {
+            let mut means = [0.0; MEASURES.len()];
+            (means[SUCCESS], means[REPLACED]) = (success, replaced);
+            Unit { population, participant, means }
+        };
+        let of = |population| numbers.iter().enumerate().map(move |each| unit(population, each));
+        Stand { setting, units: of(Population::Skilled).chain(of(Population::Slow)).collect() }
+    }
+
+    #[test]
+    fn who_is_as_good_on_both_and_surely_better_on_one_beats() {
+        let base = stand([(0.4, 0.5), (0.5, 0.6), (0.6, 0.4), (0.5, 0.5)]);
+        let better = stand([(0.5, 0.5), (0.6, 0.6), (0.7, 0.4), (0.6, 0.5)]);
+        let spared = stand([(0.4, 0.4), (0.5, 0.5), (0.6, 0.3), (0.5, 0.4)]);
+        let dearer = stand([(0.5, 0.6), (0.6, 0.7), (0.7, 0.5), (0.6, 0.6)]);
+        let lucky = stand([(0.9, 0.5), (0.0, 0.6), (0.7, 0.4), (0.6, 0.5)]);
+        let beats = |one, other| beats(one, other).unwrap();
+        assert!(beats(&better, &base) && beats(&spared, &base));
+        assert!(!beats(&base, &better) && !beats(&base, &spared) && !beats(&base, &base));
+        assert!(!beats(&dearer, &base) && !beats(&base, &dearer), "more success for more");
+        assert!(!beats(&lucky, &base), "better by chance only");
+    }
 }

@@ -1,5 +1,8 @@
-//! What tuning may try: as many settings for every rule at most, a rule with nothing to set being tried with every
-//! confidence there is.
+//! What tuning may try: as many settings for every rule at most.
+//!
+//! The heads of the inference differ in how well they guess, and that is no merit of a rule. So the robot alone is tried with
+//! every head, and all rules that ask for no more than the goal get the head with which it does best, the line of tolerances
+//! too. To a rule that asks how sure the co-pilot is (c) the head is a parameter, because the heads mean different things by it.
 
 use cohelm::arbitration::Rule;
 use cohelm::intent::{Head, Inference};
@@ -23,15 +26,25 @@ impl Setting {
     }
 }
 
-/// Every rule with the settings that tuning may try, in the order of tables.
-pub fn contenders() -> Vec<Vec<Setting>> {
-    let calibrated = |rule| Setting::new(rule, Head::Calibrated);
-    let by_head = |rule| Head::ALL.map(|head| Setting::new(rule, head)).to_vec();
-    let of = |rules: Vec<Rule>| rules.into_iter().map(calibrated).collect();
+fn by_head(rule: Rule) -> Vec<Setting> {
+    Head::ALL.map(|head| Setting::new(rule, head)).to_vec()
+}
+
+/// The robot alone with every head: by this the head is chosen.
+pub fn robots() -> Vec<Setting> {
+    by_head(Rule::Robot)
+}
+
+/// Every rule with the settings that tuning may try, in the order of tables; `head` is that of rules that ask for no more than
+/// the goal.
+pub fn contenders(head: Head) -> Vec<Vec<Setting>> {
+    let with_head = |rule| Setting::new(rule, head);
+    let of = |rules: Vec<Rule>| rules.into_iter().map(with_head).collect();
     let settings = |rule: Rule| -> Vec<Setting> {
         match rule {
-            Rule::Hic => vec![calibrated(rule)],
-            Rule::Robot | Rule::Lasc | Rule::Misc | Rule::Ida => by_head(rule),
+            Rule::Hic | Rule::Ida => vec![with_head(rule)],
+            Rule::Robot => robots(),
+            Rule::Lasc | Rule::Misc => by_head(rule),
             Rule::LineGraph { .. } => [(0.0, 0.5), (0.2, 0.8), (0.4, 0.9)]
                 .into_iter()
                 .flat_map(|(start, full)| by_head(Rule::LineGraph { start, full, most: 1.0 }))
@@ -48,14 +61,14 @@ pub fn contenders() -> Vec<Vec<Setting>> {
                 of((1..10).map(|tenth| Rule::Tolerance { alpha: tenths(tenth) }).collect())
             }
             Rule::MiscR { .. } => {
-                let kappas = [0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0, 1.25, 1.5];
+                let kappas = [0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8];
                 of(kappas.map(|kappa| Rule::MiscR { kappa }).into())
             }
-            Rule::MiscH { .. } => [1.0, 1.25, 1.5]
+            Rule::MiscH { .. } => [0.6, 1.0, 1.5]
                 .into_iter()
-                .flat_map(|kappa| [0.25, 0.5, 1.0].map(|release| calibrated(Rule::MiscH { kappa, release })))
+                .flat_map(|kappa| [0.25, 0.5, 0.75].map(|release| with_head(Rule::MiscH { kappa, release })))
                 .collect(),
-            // Two only: a flight costs thirty times that of any other rule.
+            // Two only, because its flights cost many times those of any other rule.
             Rule::SafeNearest { .. } => {
                 of([5, 20].map(|hold| Rule::SafeNearest { hold, horizon: 40 }).into())
             }
@@ -65,8 +78,8 @@ pub fn contenders() -> Vec<Vec<Setting>> {
 }
 
 /// Constant tolerances from the robot's best action alone to whatever is asked: the line that a rule has to beat.
-pub fn tolerances() -> Vec<Setting> {
-    let of = |tenth| Setting::new(Rule::Tolerance { alpha: tenths(tenth) }, Head::Calibrated);
+pub fn tolerances(head: Head) -> Vec<Setting> {
+    let of = |tenth| Setting::new(Rule::Tolerance { alpha: tenths(tenth) }, head);
     (0..=10).map(of).collect()
 }
 
@@ -80,7 +93,7 @@ mod tests {
 
     #[test]
     fn every_rule_is_tried_with_no_more_settings_than_the_others() {
-        let all = contenders();
+        let all = contenders(Head::Softmax);
         for (settings, usual) in all.iter().zip(Rule::USUAL) {
             assert!((1..=SETTINGS).contains(&settings.len()), "{usual:?}");
             assert!(settings.iter().all(|setting| setting.rule.word() == usual.word()));

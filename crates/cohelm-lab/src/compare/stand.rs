@@ -7,13 +7,13 @@ use cohelm_study::statistics::bootstrap::{Bootstrapped, Options, bootstrap};
 use cohelm_study::statistics::{Interval, Undefined};
 use serde::Serialize;
 
-/// Measures that are compared, by key; success and interventions are what the figure shows.
-pub const MEASURES: [&str; 7] =
-    ["success", "crash", "elsewhere", "steps", "ticks_with_command", "interventions", "opposed"];
+/// Measures that are compared, by key; success and what was replaced are what the figure shows.
+pub const MEASURES: [&str; 8] =
+    ["success", "crash", "elsewhere", "steps", "ticks_with_command", "replaced", "interventions", "opposed"];
 /// Index of success among them.
 pub(super) const SUCCESS: usize = 0;
-/// Index of interventions among them.
-pub(super) const INTERVENTIONS: usize = 5;
+/// Index of how much of what was asked was replaced.
+pub(super) const REPLACED: usize = 5;
 
 /// Resamples of an interval; deterministic, and enough for two digits.
 const OPTIONS: Options = Options { resamples: 2_000, level: 0.95, seed: 0 };

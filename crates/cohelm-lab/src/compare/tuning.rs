@@ -4,9 +4,9 @@ use super::Setting;
 use super::stand::Stand;
 use serde::Serialize;
 
-/// What an intervention costs in success when settings are chosen: success − ½ · share of commands replaced. At 0 every rule
-/// would be tuned towards the robot alone, at 1 towards the person alone.
-pub const WEIGHT_OF_INTERVENTION: f64 = 0.5;
+/// What replacing all that is asked costs in success when settings are chosen: success − ½ · replaced. At 0 every rule would be
+/// tuned towards the robot alone, at 1 towards the person alone.
+pub const WEIGHT_OF_REPLACED: f64 = 0.5;
 
 /// A setting that was tried, and how it did.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,17 +15,17 @@ pub struct Tried {
     pub setting: Setting,
     /// Success rate among those who were flown in tuning.
     pub success: f64,
-    /// Share of commands that were replaced in effect.
-    pub interventions: f64,
-    /// Success − ½ · interventions.
+    /// How much of what was asked was replaced.
+    pub replaced: f64,
+    /// Success − ½ · replaced.
     pub score: f64,
 }
 
 impl Tried {
     pub(super) fn of(stand: &Stand) -> Self {
-        let (success, interventions) = (stand.mean("success"), stand.mean("interventions"));
-        let score = success - WEIGHT_OF_INTERVENTION * interventions;
-        Self { setting: stand.setting, success, interventions, score }
+        let (success, replaced) = (stand.mean("success"), stand.mean("replaced"));
+        let score = success - WEIGHT_OF_REPLACED * replaced;
+        Self { setting: stand.setting, success, replaced, score }
     }
 }
 

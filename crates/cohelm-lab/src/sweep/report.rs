@@ -20,12 +20,13 @@ const MOST_THRESHOLDS: usize = 41;
 const BAND_RESAMPLES: usize = 2000;
 
 /// What the tables of flights show.
-const OF_FLIGHTS: [&str; 7] = [
+const OF_FLIGHTS: [&str; 8] = [
     "success",
     "crash",
     "steps_of_successes",
     "ticks_with_command",
     "interventions",
+    "replaced",
     "goal_accuracy",
     "reward",
 ];
@@ -213,14 +214,14 @@ impl Group<'_> {
         let conditions = self.conditions();
         let point = |(index, condition): (usize, &&str)| {
             let success = self.interquartile_mean(condition, "success")?;
-            let cost = self.interquartile_mean(condition, "interventions");
+            let cost = self.interquartile_mean(condition, "replaced");
             let at = (cost.map_or(0.0, |cost| cost.estimate), success.estimate);
             let intervals = (cost.map(|cost| cost.interval), Some(success.interval));
             Some(ParetoPoint { label: condition.to_string(), condition: index, at, intervals })
         };
         let figure = ParetoScatter {
             heading: Heading::new("What help costs", "Interquartile means with 95 % intervals"),
-            x: (Axis::share("Asked commands that were replaced in effect"), Better::Lower),
+            x: (Axis::share("How much of what was asked was replaced"), Better::Lower),
             y: (Axis::share("Success rate"), Better::Higher),
             conditions: Conditions::in_order(conditions.iter().copied()),
             points: conditions.iter().enumerate().filter_map(point).collect(),

@@ -1,76 +1,29 @@
 //! The loop of an episode elsewhere: each tick when it is due, on a thread of its own, and the dead man.
 
+use super::presence::{END_AFTER, LET_GO_AFTER, Presence};
 use super::words::{Ended, Flown};
 use cohelm::action::ActionSpace;
 use cohelm::flight::Flight;
 use cohelm::keys::Change;
 use cohelm::plant::Ending;
 use cohelm::report::TickReport;
-use cohelm::trajectory::{MAX_TICKS, Trajectory};
+use cohelm::tape::{MAX_TAPE, Tape};
+use cohelm::trajectory::{MAX_EVENTS, MAX_TICKS, Trajectory};
 use std::sync::mpsc::Receiver;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
-/// After how long without a word from the page everything is let go of: shorter flickers with the network, longer leaves
-/// a machine moving with nobody at it. The page says ten times a second that it is there.
-const LET_GO_AFTER: Duration = Duration::from_millis(300);
-/// After how long without a word the episode ends.
-const END_AFTER: Duration = Duration::from_secs(2);
-/// Ticks that are flown with everything let go of before an episode ends that lost its person: enough for each of eight
-/// switches to be turned off.
-const NEUTRAL_TICKS: u32 = 10;
-
-/// Whether somebody is at the page.
-#[derive(Clone)]
-pub struct Presence(Arc<Mutex<Present>>);
-
-struct Present {
-    heard: Instant,
-    /// Why it is over, and whether that was the person's wish.
-    over: Option<(String, bool)>,
-}
-
-impl Presence {
-    /// Somebody is there now.
-    pub fn new() -> Self {
-        Self(Arc::new(Mutex::new(Present { heard: Instant::now(), over: None })))
-    }
-
-    /// A word was heard.
-    pub fn here(&self) {
-        self.lock().heard = Instant::now();
-    }
-
-    /// The person ends the episode.
-    pub fn stop(&self) {
-        self.over("the person ended it", true);
-    }
-
-    /// The person was lost for good.
-    pub fn lose(&self, why: &str) {
-        self.over(why, false);
-    }
-
-    fn over(&self, why: &str, wished: bool) {
-        self.lock().over.get_or_insert_with(|| (why.to_owned(), wished));
-    }
-
-    /// How long nothing was heard.
-    fn silence(&self) -> Duration {
-        self.lock().heard.elapsed()
-    }
-
-    fn is_over(&self) -> Option<(String, bool)> {
-        self.lock().over.clone()
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, Present> {
-        // A panic elsewhere leaves a time a time.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
+/// Before an episode ends that lost its person nothing must have been asked for so long, s: ten ticks at fifty a second,
+/// and at least one.
+const NEUTRAL_S: f64 = 0.2;
+/// For how long at most that is waited for, s: whoever tapped switches faster than the plant takes commands has left some
+/// to be carried out.
+const NEUTRAL_AT_MOST_S: f64 = 2.0;
+/// How many ticks that is at least: enough for each of eight switches to be turned on and off.
+const NEUTRAL_AT_MOST: u32 = 16;
+/// Ticks and changes for which a record must still have room, or the episode ends: more than letting go takes.
+const ROOM: usize = 1000;
 
 /// When ticks are due. One that comes late moves all that follow: a machine is not rushed.
 struct Beat {
@@ -114,25 +67,26 @@ impl Drive {
         let space: ActionSpace = flight.plant().space().clone();
         let begun = Instant::now();
         let mut beat = Beat::new(flight.plant().ticks_per_second());
-        let mut hand = Hand { presence, let_go_at: None };
+        let mut hand = Hand::new(presence, flight.plant().ticks_per_second());
         let (mut commands, mut corrected) = (0, 0);
-        hand.presence.here();
+        hand.presence.begin();
         let why = loop {
             beat.wait();
+            if let Some(why) = full(&flight) {
+                hand.presence.lose(&why);
+            }
             if let Some(why) = hand.watch(&mut flight, begun) {
                 break why;
             }
             changes.try_iter().for_each(|(change, at_ms)| hand.pass_on(&mut flight, change, at_ms));
-            if flight.ticks() as usize >= MAX_TICKS {
-                break Some(format!("a record holds {MAX_TICKS} ticks"));
-            }
             let rule = flight.setup().rule;
             let Some(tick) = flight.tick() else { break None };
+            hand.note(tick.asked.is_some());
             commands += u32::from(tick.asked.is_some());
             corrected += u32::from(tick.intervention.is_some_and(|seen| seen.effective));
             let report = TickReport::of(&tick, &space, &rule, median_range).placed(flight.plant());
             let over = report.ending.is_some();
-            frames.send_replace(Some(Flown { report, late: beat.late }));
+            frames.send_replace(Some(Flown { report, late: beat.late, let_go: hand.must_press_again() }));
             if over {
                 break None;
             }
@@ -147,18 +101,53 @@ impl Drive {
     }
 }
 
+/// Why a record takes no more, while it still has room for letting go.
+fn full(flight: &Flight) -> Option<String> {
+    let room = flight.plant().tape().map_or(usize::MAX, Tape::room);
+    full_with(flight.ticks() as usize, flight.keys().len(), room)
+}
+
+fn full_with(ticks: usize, events: usize, room: usize) -> Option<String> {
+    if ticks + ROOM > MAX_TICKS {
+        Some(format!("the record is full: it holds {MAX_TICKS} ticks"))
+    } else if events + ROOM > MAX_EVENTS {
+        Some(format!("the record is full: it holds {MAX_EVENTS} changes of keys and sticks"))
+    } else {
+        let megabytes = MAX_TAPE / (1024 * 1024);
+        (room < ROOM).then(|| format!("the record is full: it holds {megabytes} MiB of states"))
+    }
+}
+
 /// The person's hand, which lets go when nobody is there.
 struct Hand {
     presence: Presence,
-    /// The tick at which everything was let go of, while it is.
-    let_go_at: Option<u32>,
+    /// While everything is let go of.
+    let_go: Option<LetGo>,
+    /// Ticks at which nothing is asked before an episode ends that lost its person.
+    neutral: u32,
+    /// Ticks after which it ends even if something was.
+    at_most: u32,
+}
+
+#[derive(Clone, Copy)]
+struct LetGo {
+    /// The first tick of it.
+    since: u32,
+    /// Ticks in a row, up to now, at which nothing was asked.
+    quiet: u32,
 }
 
 impl Hand {
+    fn new(presence: Presence, ticks_per_second: f64) -> Self {
+        let ticks = |seconds: f64| (seconds * ticks_per_second).ceil() as u32;
+        let (neutral, at_most) = (ticks(NEUTRAL_S).max(1), ticks(NEUTRAL_AT_MOST_S).max(NEUTRAL_AT_MOST));
+        Self { presence, let_go: None, neutral, at_most }
+    }
+
     /// What is still on its way when the flight is over counts for nothing. Whoever comes back counts from then on; what
     /// was held before must be pressed anew.
     fn pass_on(&mut self, flight: &mut Flight, change: Change, at_ms: f32) {
-        if self.let_go_at.is_none() {
+        if self.let_go.is_none() {
             flight.change(change, at_ms);
         }
     }
@@ -171,14 +160,87 @@ impl Hand {
             (silence > END_AFTER).then_some((words, false))
         });
         if silence <= LET_GO_AFTER && over.is_none() {
-            self.let_go_at = None;
+            // Who comes back must have seen that everything was let go of.
+            self.let_go = self.let_go.filter(|let_go| !self.presence.has_shown(let_go.since));
             return None;
         }
-        let since = *self.let_go_at.get_or_insert_with(|| {
+        let let_go = *self.let_go.get_or_insert_with(|| {
             flight.change(Change::ReleaseAll, begun.elapsed().as_secs_f32() * 1000.0);
-            flight.ticks()
+            LetGo { since: flight.ticks(), quiet: 0 }
         });
         let (why, wished) = over?;
-        (flight.ticks() - since >= NEUTRAL_TICKS).then_some((!wished).then_some(why))
+        let enough = let_go.quiet >= self.neutral || flight.ticks() - let_go.since >= self.at_most;
+        enough.then_some((!wished).then_some(why))
+    }
+
+    /// A tick was flown.
+    fn note(&mut self, asked: bool) {
+        if let Some(let_go) = &mut self.let_go {
+            let_go.quiet = if asked { 0 } else { let_go.quiet + 1 };
+        }
+    }
+
+    /// True if the person, who may come back, must press again what was held.
+    fn must_press_again(&self) -> bool {
+        self.let_go.is_some() && self.presence.is_over().is_none()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{flight, setup};
+    use cohelm::arbitration::Rule;
+    use cohelm::cockpit::Silence;
+    use std::sync::mpsc::{self, Sender};
+
+    /// A person who is there and alone with the point.
+    fn drive() -> (Sender<(Change, f32)>, Presence, Drive) {
+        let (hands, changes) = mpsc::channel();
+        let presence = Presence::new();
+        let flight =
+            flight(cohelm::trajectory::Setup { rule: Rule::Hic, silence: Silence::Nothing, ..setup(1) });
+        (hands, presence.clone(), Drive { flight, changes, presence, median_range: None })
+    }
+
+    fn fly(drive: Drive) -> (Trajectory, Ended) {
+        drive.fly(&watch::channel(None).0)
+    }
+
+    #[test]
+    fn a_key_log_that_fills_up_ends_the_flight_with_everything_let_go_of() {
+        let (hands, _presence, drive) = drive();
+        (0..=MAX_EVENTS)
+            .for_each(|i| hands.send((Change::Stick([20_000 + (i % 2) as i16, 0, 0, 0]), 0.0)).unwrap());
+        let (flown, ended) = fly(drive);
+        assert_eq!(ended.why.unwrap(), "the record is full: it holds 200000 changes of keys and sticks");
+        assert_eq!(flown.keys.last().unwrap().change, Change::ReleaseAll);
+        assert!(flown.asked[0].is_some());
+        assert_eq!(flown.executed[flown.ticks() - 10..], [None; 10]);
+    }
+
+    #[test]
+    fn a_record_is_full_while_it_still_has_room_for_letting_go() {
+        assert_eq!(full_with(10_000, 10_000, 10_000), None);
+        for (ticks, events, room, words) in [
+            (MAX_TICKS - 100, 0, usize::MAX, "200000 ticks"),
+            (0, MAX_EVENTS - 100, usize::MAX, "200000 changes"),
+            (0, 0, 100, "32 MiB of states"),
+        ] {
+            let why = full_with(ticks, events, room).unwrap();
+            assert!(why.starts_with("the record is full: it holds ") && why.contains(words), "{why}");
+        }
+        let (_, _, drive) = drive();
+        let (_, at_most) = (drive.flight.ticks(), Hand::new(Presence::new(), 200.0).at_most);
+        assert!((at_most as usize) < ROOM, "at the highest rate there is");
+    }
+
+    #[test]
+    fn before_the_end_of_a_slow_plant_one_tick_asks_for_nothing() {
+        let ticks = |rate: f64| {
+            let hand = Hand::new(Presence::new(), rate);
+            (hand.neutral, hand.at_most)
+        };
+        assert_eq!([1.0, 50.0, 200.0].map(ticks), [(1, 16), (10, 100), (40, 400)]);
     }
 }

@@ -1,8 +1,9 @@
 //! One connection with a page that flies a plant elsewhere.
 
 use super::Elsewhere;
-use super::crew::crew;
-use super::drive::{Drive, Presence};
+use super::crew::{crew, why_alone};
+use super::drive::Drive;
+use super::presence::Presence;
 use super::words::{Ended, Flown, FromPage, Ready, ToPage, Wish};
 use crate::limits::{Bucket, Rate};
 use crate::server::Server;
@@ -13,7 +14,7 @@ use cohelm::flight::Flight;
 use cohelm::keys::Change;
 use cohelm::plant::Plant;
 use cohelm::report::Opening;
-use cohelm::trajectory::{Setup, Trajectory};
+use cohelm::trajectory::{MAX_SEED, Setup, Trajectory};
 use cohelm_external::External;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
@@ -78,9 +79,11 @@ async fn talk(server: &Server, plant: &Elsewhere, page: &mut Page) -> Result<std
                 prepared = page.prepare(server, plant, wish).await?;
             }
             (FromPage::Start, Some(ready)) => page.fly(server, ready).await?,
-            (FromPage::Start | FromPage::Stop, _) => {}
+            (FromPage::Start, None) => {
+                page.say(&ToPage::Refused { reason: "no plant is ready; try again".into() }).await?;
+            }
             // What was still on its way from the last flight.
-            (FromPage::Change { .. } | FromPage::Here, ready) => prepared = ready,
+            (FromPage::Stop | FromPage::Change { .. } | FromPage::Here { .. }, ready) => prepared = ready,
         }
     }
 }
@@ -157,7 +160,7 @@ impl Page {
         let mut driven = tokio::task::spawn_blocking(move || drive.fly(&frames));
         let Self { sink, stream, allowance } = self;
         let mut hands = pin!(steer_by(stream, allowance, hands, &presence));
-        let mut eyes = pin!(show(sink, shown));
+        let mut eyes = pin!(show(sink, shown, &presence));
         let (mut lost, mut blind) = (false, false);
         loop {
             tokio::select! {
@@ -191,25 +194,30 @@ async fn steer_by(
     loop {
         match hear(stream, allowance).await {
             Ok(FromPage::Change { change, at_ms }) if at_ms.is_finite() => {
-                presence.here();
-                // The loop has ended if nobody takes it.
+                // No sign of a person: a stick may be sent by a page that nobody looks at. The loop has ended if nobody
+                // takes it.
                 let _ = hands.send((change, at_ms));
             }
             Ok(FromPage::Stop) => presence.stop(),
-            Ok(_) => presence.here(),
+            Ok(FromPage::Here { shown }) => presence.here(shown),
+            Ok(_) => {}
             Err(gone) => return gone,
         }
     }
 }
 
-/// Shows the newest tick whenever the page has taken the one before, until the loop has ended.
+/// Sends the newest tick whenever the page has shown all but a few of those before, until the loop has ended. What is
+/// sent and not yet shown may wait anywhere on its way, so that it says nothing of what the person sees.
 async fn show(
     sink: &mut SplitSink<WebSocket, Message>,
     mut frames: watch::Receiver<Option<Flown>>,
+    presence: &Presence,
 ) -> Result<(), Gone> {
     while frames.changed().await.is_ok() {
+        presence.keeps_up().await;
         let newest = frames.borrow_and_update().clone();
         if let Some(newest) = newest {
+            presence.sent(newest.report.tick);
             say(sink, &ToPage::Tick(Box::new(newest))).await?;
         }
     }
@@ -243,6 +251,10 @@ async fn say(sink: &mut SplitSink<WebSocket, Message>, words: &ToPage) -> Result
 
 /// Connects with the plant and puts a crew into it.
 async fn ready(server: &Server, plant: &Elsewhere, wish: Wish) -> Result<(Prepared, Ready), String> {
+    // The plant and the record must be given the same one.
+    if wish.seed > MAX_SEED {
+        return Err(format!("expected a seed of at most 2⁵³ = {MAX_SEED}, got {}", wish.seed));
+    }
     let turn = plant.turn.clone().try_acquire_owned();
     let turn = turn.map_err(|_| "somebody else is at this plant; wait until that flight is over")?;
     let Elsewhere { address, time_out, .. } = plant.clone();
@@ -254,7 +266,9 @@ async fn ready(server: &Server, plant: &Elsewhere, wish: Wish) -> Result<(Prepar
     let median_range = values.and_then(|model| model.card().median_range);
     let opening = Opening::of(&setup, &external as &dyn Plant, None);
     let has_axes = matches!(external.space(), ActionSpace::Axes { .. });
-    let ready = Ready { name: external.name().to_owned(), has_axes, has_values: values.is_some(), opening };
+    let (name, has_values) = (external.name().to_owned(), values.is_some());
+    let why_alone = (!has_values).then(|| why_alone(&external).to_owned());
+    let ready = Ready { name, has_axes, has_values, why_alone, opening };
     let flight = Flight::new(setup, Box::new(external), cockpit);
     Ok((Prepared { flight, median_range, turn }, ready))
 }

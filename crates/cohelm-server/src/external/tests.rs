@@ -4,50 +4,27 @@ use super::*;
 use crate::hangar::Hangar;
 use crate::serve::{bind, serve};
 use crate::store::{Page as ListPage, Progress, Store, unpack};
-use crate::testing::{Disk, buttons};
+use crate::testing::{Disk, buttons, pumps};
 use crate::verify::verify_episodes;
 use cohelm::keys::Change;
 use cohelm::plant::Ending;
 use cohelm::registry::Plants;
 use cohelm::tape;
-use cohelm::trajectory::Trajectory;
+use cohelm::trajectory::{MAX_SEED, Trajectory};
 use cohelm_copilot::Models;
 use cohelm_external::other_end::answer;
 use futures_util::{SinkExt, StreamExt};
-use std::io::{BufRead, BufReader};
+use python::Python;
 use std::net::SocketAddr;
-use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::net::TcpStream;
 use tokio::time::timeout;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
-/// The example as a process; killed when it is dropped.
-struct Python {
-    child: Child,
-    address: Address,
-}
-
-impl Python {
-    fn start() -> Self {
-        let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/external-plant/plant.py");
-        let started = Command::new("python3").args([example, "--listen", "0"]).stdout(Stdio::piped()).spawn();
-        let mut child = started.expect("this test flies the example plant and needs python3 on the PATH");
-        let mut line = String::new();
-        BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
-        let address = line.trim().strip_prefix("the cart listens at ").expect("an address").parse().unwrap();
-        Self { child, address }
-    }
-}
-
-impl Drop for Python {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
+#[path = "../../../cohelm-external/tests/support/python.rs"]
+mod python;
 
 /// A server that flies the example.
 async fn flying(python: &Python) -> (Disk, SocketAddr) {
@@ -89,6 +66,31 @@ impl Page {
         }
     }
 
+    /// Says that the person is there and has seen that tick.
+    async fn here(&mut self, tick: u64) {
+        self.say(json!({ "here": { "shown": tick } })).await;
+    }
+
+    async fn stick(&mut self, position: i16) {
+        let change = Change::Stick([position, 0, 0, 0]);
+        self.say(json!({ "change": { "change": change, "at_ms": 0.0 } })).await;
+    }
+
+    /// The next tick, as it is told.
+    async fn tick(&mut self) -> Value {
+        let heard = self.hear().await;
+        heard.get("tick").unwrap_or_else(|| panic!("expected a tick, got {heard}")).clone()
+    }
+
+    /// What comes until the flight has ended; gives how it did.
+    async fn end(&mut self) -> Value {
+        loop {
+            if let Some(ended) = self.hear().await.get("ended") {
+                return ended.clone();
+            }
+        }
+    }
+
     async fn begin(&mut self, seed: u64, rule: &str) -> Value {
         let rule =
             if rule == "misc-r" { json!({ "rule": rule, "kappa": 0.7 }) } else { json!({ "rule": rule }) };
@@ -115,6 +117,7 @@ impl Page {
             before = x;
             let change = Change::Stick([(push * 32767.0) as i16, 0, 0, 0]);
             self.say(json!({ "change": { "change": change, "at_ms": 20.0 * tick as f32 } })).await;
+            self.here(tick).await;
             each(tick);
         }
     }
@@ -129,8 +132,8 @@ impl Page {
             }
             let tick = heard["tick"]["report"]["tick"].as_u64().unwrap();
             if tick < after {
-                let change = Change::Stick([20_000 + tick as i16, 0, 0, 0]);
-                self.say(json!({ "change": { "change": change, "at_ms": 0.0 } })).await;
+                self.stick(20_000 + tick as i16).await;
+                self.here(tick).await;
             }
         }
     }
@@ -215,8 +218,9 @@ async fn a_page_that_is_closed_lets_go_and_its_flight_is_stored() {
     page.begin(1, "hic").await;
     page.say(json!("start")).await;
     page.say(json!({ "change": { "change": { "down": 1 }, "at_ms": 1.0 } })).await;
-    for _ in 0..10 {
+    for tick in 0..10 {
         page.hear().await;
+        page.here(tick).await;
     }
     drop(page);
     let flown = record(&disk).await;
@@ -233,7 +237,6 @@ async fn one_page_flies_at_a_time_and_nonsense_ends_the_connection() {
     let mut second = Page::open(address).await;
     let refused = second.begin(1, "hic").await;
     assert!(refused["refused"]["reason"].as_str().unwrap().starts_with("somebody else"), "{refused}");
-    first.say(json!("stop")).await;
     first.say(json!({ "fly": "me" })).await;
     assert!(matches!(first.socket.next().await, Some(Ok(Message::Close(_)) | Err(_)) | None));
     tokio::time::sleep(Duration::from_millis(200)).await;
@@ -268,7 +271,7 @@ async fn values_assist_a_plant_elsewhere_whose_name_and_shape_their_card_has() {
     for _ in 0..30 {
         let report = page.hear().await["tick"]["report"].clone();
         assert_eq!(report["candidates"].as_array().unwrap().len(), 5);
-        page.say(json!("here")).await;
+        page.here(report["tick"].as_u64().unwrap()).await;
     }
     page.say(json!("stop")).await;
     let flown = record(&disk).await;
@@ -276,6 +279,135 @@ async fn values_assist_a_plant_elsewhere_whose_name_and_shape_their_card_has() {
     let hangar = Hangar::new(Plants::default(), models, disk.store.clone());
     let report = verify_episodes(&hangar).await.unwrap();
     assert_eq!((report.as_recorded, report.holds()), (1, true), "{report}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn who_comes_back_is_told_that_everything_was_let_go_of_before_anything_counts_again() {
+    let python = Python::start();
+    let (disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    page.begin(1, "hic").await;
+    page.say(json!("start")).await;
+    page.stick(3_500).await;
+    for _ in 0..5 {
+        let tick = page.tick().await;
+        assert_eq!(tick["let_go"], false);
+        page.here(tick["report"]["tick"].as_u64().unwrap()).await;
+    }
+    // Nothing is said until it is let go of, and then nothing newer is shown; a stick that moves is no sign of anybody.
+    let mut seen = 0;
+    let mut last = Value::Null;
+    while timeout(Duration::from_millis(100), async { last = page.tick().await }).await.is_ok() {
+        seen += 1;
+    }
+    assert!(seen <= 5, "{seen} ticks were sent that nobody said to have seen");
+    for _ in 0..5 {
+        page.stick(3_600).await;
+        page.say(json!({ "here": { "shown": 4 } })).await;
+        tokio::time::sleep(Duration::from_millis(80)).await;
+    }
+    page.here(last["report"]["tick"].as_u64().unwrap()).await;
+    let mut tick = page.tick().await;
+    assert_eq!((&tick["let_go"], &tick["report"]["asked"]), (&json!(true), &Value::Null), "{tick}");
+    page.stick(3_700).await;
+    while tick["let_go"] == true {
+        page.here(tick["report"]["tick"].as_u64().unwrap()).await;
+        tick = page.tick().await;
+    }
+    for _ in 0..10 {
+        page.stick(3_800).await;
+        page.here(tick["report"]["tick"].as_u64().unwrap()).await;
+        tick = page.tick().await;
+    }
+    assert_eq!((&tick["let_go"], tick["report"]["asked"].is_null()), (&json!(false), false), "{tick}");
+    page.say(json!("stop")).await;
+    assert_eq!(page.end().await["why"], Value::Null);
+    let keys = record(&disk).await.keys;
+    let release = keys.iter().position(|event| event.change == Change::ReleaseAll).unwrap();
+    let after =
+        keys[release..].iter().filter(|event| event.change == Change::Stick([3_600, 0, 0, 0])).count();
+    assert_eq!(after, 0, "{keys:?}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_stop_on_the_ground_keeps_the_plant_ready_and_a_start_without_one_is_answered() {
+    let python = Python::start();
+    let (_disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    page.say(json!("start")).await;
+    assert_eq!(page.hear().await, json!({ "refused": { "reason": "no plant is ready; try again" } }));
+    page.begin(1, "hic").await;
+    page.say(json!("stop")).await;
+    page.say(json!("start")).await;
+    assert_eq!(page.tick().await["report"]["tick"], 0);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_seed_that_a_record_cannot_hold_is_refused() {
+    let python = Python::start();
+    let (_disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    let refused = page.begin(MAX_SEED + 1, "hic").await;
+    assert!(
+        refused["refused"]["reason"].as_str().unwrap().starts_with("expected a seed of at most"),
+        "{refused}"
+    );
+    let ready = page.begin(MAX_SEED, "hic").await;
+    assert_eq!(ready["ready"]["opening"]["setup"]["seed"], MAX_SEED);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn two_ticks_a_second_are_flown_with_the_usual_time_out() {
+    let python = Python::start_with(&["--ticks-per-second", "2"]);
+    let (_disk, address) = flying(&python).await;
+    let mut page = Page::open(address).await;
+    page.begin(1, "hic").await;
+    page.say(json!("start")).await;
+    let begun = Instant::now();
+    let mut seen = None;
+    while begun.elapsed() < Duration::from_millis(2500) {
+        if let Ok(tick) = timeout(Duration::from_millis(100), page.tick()).await {
+            assert_eq!((&tick["report"]["ending"], &tick["let_go"]), (&Value::Null, &json!(false)), "{tick}");
+            seen = tick["report"]["tick"].as_u64();
+        }
+        page.say(json!({ "here": { "shown": seen } })).await;
+    }
+    assert!(seen.is_some_and(|tick| tick >= 3), "{seen:?}");
+    page.say(json!("stop")).await;
+    let ended = page.end().await;
+    assert_eq!((&ended["ending"], &ended["why"]), (&json!("abandoned"), &Value::Null));
+}
+
+/// Letting go of a switch asks for *off*, and a rule with values that always prefer *on* would not carry it out.
+#[tokio::test(flavor = "multi_thread")]
+async fn letting_go_turns_switches_off_whatever_values_prefer() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let elsewhere = listener.local_addr().unwrap().to_string().parse().unwrap();
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let _ = answer(&mut pumps::Pumps::new(), "pumps", stream.unwrap());
+        }
+    });
+    let mut models = Models::new();
+    models.add_model(pumps::model_that_prefers_on(tape::task("pumps"), tape::VERSION));
+    let disk = Disk::new().await;
+    let server = disk.server_of(models).await;
+    let address = run(server.with_plant_elsewhere(Elsewhere::new(elsewhere, TimeOut::default()))).await;
+    let mut page = Page::open(address).await;
+    page.say(json!({ "begin": { "seed": 3, "rule": { "rule": "tolerance", "alpha": 0.0 } } })).await;
+    let ready = page.hear().await;
+    page.say(json!("start")).await;
+    page.say(json!({ "change": { "change": { "down": 0 }, "at_ms": 1.0 } })).await;
+    for _ in 0..10 {
+        let tick = page.tick().await;
+        page.here(tick["report"]["tick"].as_u64().unwrap()).await;
+    }
+    drop(page);
+    let flown = record(&disk).await;
+    let on = |at: usize| flown.tape.as_ref().unwrap().seen()[at].switches;
+    assert_eq!((on(9), on(flown.ticks())), (1, 0), "{:?}", flown.executed);
+    let why = ready["ready"]["why_alone"].as_str().unwrap();
+    assert!(ready["ready"]["has_values"] == false && why.starts_with("this plant has switches"), "{why}");
 }
 
 #[tokio::test]

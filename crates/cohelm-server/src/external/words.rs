@@ -21,8 +21,12 @@ pub enum FromPage {
         /// When, by the page's clock, ms since the start; decides nothing.
         at_ms: f32,
     },
-    /// The person is still there. The page says so ten times a second while it is to be seen and flies.
-    Here,
+    /// The person is still there and sees the plant. The page says so ten times a second, and whenever it has shown a few
+    /// ticks more, while it flies, is to be seen and has the focus.
+    Here {
+        /// The newest tick that it has shown.
+        shown: Option<u32>,
+    },
     /// End the flight.
     Stop,
 }
@@ -63,6 +67,8 @@ pub struct Ready {
     pub has_axes: bool,
     /// True if values were found that fit it; otherwise the person flies alone, whatever the rule.
     pub has_values: bool,
+    /// Why the person flies alone, for people.
+    pub why_alone: Option<String>,
     /// What to draw and to press.
     pub opening: Opening,
 }
@@ -74,6 +80,9 @@ pub struct Flown {
     pub report: TickReport,
     /// Ticks so far that came late.
     pub late: u32,
+    /// True while everything is let go of since nothing was heard from the page, or it showed nothing newer. That lasts
+    /// until the page has shown a tick of which this was true: what is held must be pressed again.
+    pub let_go: bool,
 }
 
 /// How an episode ended.

@@ -23,7 +23,10 @@ impl Arbiter for HedgedRegret {
         let best = (0..allowed.len()).map(|i| stage.expected_value(i)).fold(f64::NEG_INFINITY, f64::max);
         let intervened = stage.last.is_some_and(|last| last.intervened);
         let most = if intervened { self.release * self.epsilon } else { self.epsilon };
-        most_alike_of(stage, allowed, |i| best - stage.expected_value(i) <= most)
+        let flown = stage.likeness.is_none().then(|| stage.values.best());
+        most_alike_of(stage, allowed, |i| {
+            flown.map_or(best - stage.expected_value(i) <= most, |flown| i == flown)
+        })
     }
 
     fn needs(&self) -> Needs {

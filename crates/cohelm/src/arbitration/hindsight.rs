@@ -1,7 +1,8 @@
 //! Hindsight optimisation, QMDP over the goals. Formula: a = argmax Σ_g p(g) · Q_g(s, a) + `likeness` · median range ·
 //! f(a, a_h). Source: Javdani, Srinivasa and Bagnell 2015, "Shared autonomy via hindsight optimization"; the second term
 //! stands for their cost of departing from what the person does. At `likeness` = 0 it is plain QMDP, to which what is asked
-//! matters only through the belief; as it grows, whatever is asked is carried out.
+//! matters only through the belief, and so it is with nothing asked; as it grows, something as similar as can be to what is
+//! asked is carried out.
 
 use super::{Arbiter, Needs, Pick, Stage};
 
@@ -30,7 +31,9 @@ impl Arbiter for Hindsight {
         for (candidate, allowed) in allowed.iter_mut().enumerate() {
             *allowed = self.score(stage, candidate) == highest;
         }
-        Pick::Candidate(stage.most_alike(allowed))
+        let alike = stage.likeness.map(|_| stage.most_alike(allowed));
+        let first = || allowed.iter().position(|&allowed| allowed);
+        Pick::Candidate(alike.or_else(first).unwrap_or(stage.values.best()))
     }
 
     fn needs(&self) -> Needs {

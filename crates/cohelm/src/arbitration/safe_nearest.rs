@@ -2,9 +2,13 @@
 //! the robot's best actions, the plant is still whole at `horizon`; if there is none, the robot's best. Source: minimal
 //! intervention by sampled trajectories, Broad, Murphey and Argall 2019, "Highly parallelized data-driven MPC for minimal
 //! intervention shared control" (RSS), which learns a model of the plant where we fly a copy of it. At `horizon` = 0 whatever
-//! is asked; as `hold` grows it steps in earlier. It cares about crashes, not about goals.
+//! is asked; as `hold` grows it steps in earlier. It cares about crashes, not about goals. Of more
+//! candidates than [`FLIGHTS`], as on axes, only every so many are tried, in order of likeness.
 
 use super::{Arbiter, Needs, Pick, Stage};
+
+/// Most flights ahead at one tick: a flight of forty ticks costs thirty times all else that is decided there.
+pub const FLIGHTS: usize = 10;
 
 /// The most similar action after which the robot can still save the plant; the robot's best if there is none.
 #[derive(Clone, Copy, Debug)]
@@ -18,13 +22,15 @@ pub struct SafeNearest {
 impl Arbiter for SafeNearest {
     fn decide(&self, stage: &Stage<'_>, allowed: &mut [bool]) -> Pick {
         let robot = stage.values.best();
+        let every = allowed.len().div_ceil(FLIGHTS);
         let nearest = match (stage.likeness, stage.ahead) {
-            // While none is found, `allowed` marks those that were tried and broke the plant.
+            // While none is found, `allowed` marks those that were passed by or broke the plant.
             (Some(_), Some(ahead)) => std::iter::from_fn(|| {
                 let next = stage.most_alike_but(allowed)?;
                 allowed[next] = true;
                 Some(next)
             })
+            .step_by(every.max(1))
             .find(|&candidate| ahead.is_safe(candidate, self.hold, self.horizon)),
             _ => None,
         };

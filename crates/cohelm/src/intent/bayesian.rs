@@ -98,10 +98,19 @@ impl ValueIntent {
         Ok(Self { values, space, per_unit, evidence, posterior, candidates, of_goal, before: None })
     }
 
+    /// What can be done, the same for every goal. Commands are; candidates on axes are looked for around the best of one goal,
+    /// so that those of every goal are taken together: with those of one alone, that goal would look like any other's.
+    fn gather(&mut self, view: &View<'_>, asked: Action) {
+        self.candidates.clear();
+        let goals = if self.space.commands() == 0 { view.goals.len() } else { 1 };
+        for goal in 0..goals {
+            self.candidates.extend_from_slice(self.values.estimate(view, goal, Some(asked)).candidates());
+        }
+    }
+
     /// The logarithm of how likely what is asked is for each goal, over the same candidates; `None` if it says nothing.
     fn likelihoods(&mut self, view: &View<'_>, asked: Action) -> Option<[f64; MAX_GOALS]> {
-        self.candidates.clear();
-        self.candidates.extend_from_slice(self.values.estimate(view, 0, Some(asked)).candidates());
+        self.gather(view, asked);
         let mut logs = [0.0; MAX_GOALS];
         for (goal, log) in logs.iter_mut().enumerate().take(view.goals.len()) {
             self.values.assess(view, goal, &self.candidates, Some(asked), &mut self.of_goal);

@@ -31,11 +31,17 @@ pub(super) fn wrong(what: impl Display, expected: impl Display, found: impl Disp
 /// The description of a plant.
 pub(super) fn description(about: &Described) -> Sound {
     name("name", &about.name)?;
-    if !TICKS_PER_SECOND.contains(&about.ticks_per_second) {
-        return Err(wrong("ticks_per_second", "1 to 200", about.ticks_per_second));
-    }
+    rate(about.ticks_per_second)?;
     space(&about.space)?;
     scene(&about.scene)
+}
+
+/// A rate at which a plant can be driven.
+pub(super) fn rate(ticks_per_second: f64) -> Sound {
+    if TICKS_PER_SECOND.contains(&ticks_per_second) {
+        return Ok(());
+    }
+    Err(wrong("ticks_per_second", "1 to 200", ticks_per_second))
 }
 
 /// What was seen of a plant of that description.
@@ -135,10 +141,17 @@ fn scene(scene: &Scene) -> Sound {
     count("the scene", "movable parts", movable.len(), 1..=MAX_MOVABLE)?;
     let shapes = || fixed.iter().chain(movable).flat_map(|part: &Part| &part.shapes);
     count("the scene", "points", shapes().map(|shape| points(shape).len()).sum(), 0..=MAX_POINTS)?;
+    if let Some(none) = scale.iter().find(|part| **part == 0.0) {
+        return Err(wrong("the scene's scale", "other than 0", none));
+    }
     for shape in shapes() {
+        count("an outline of the scene", "points", points(shape).len(), 1..=MAX_POINTS)?;
         points(shape).iter().flatten().try_for_each(|&x| within("a point of the scene", x, MAX_WORLD))?;
         if let Shape::Disc { radius, .. } = shape {
-            within("a disc's radius", *radius, MAX_WORLD)?;
+            // The page draws each disc as an arc, and one of a negative radius is an error in every picture.
+            if !(0.0..=MAX_WORLD).contains(radius) {
+                return Err(wrong("a disc's radius", format!("0 to {MAX_WORLD}"), radius));
+            }
         }
     }
     Ok(())

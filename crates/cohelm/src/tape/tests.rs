@@ -142,6 +142,16 @@ fn a_lost_plant_stays_where_it_was_seen_last_and_ends_the_episode() {
     assert_eq!([again.step(None).ending, again.step(None).ending], [None, Some(Ending::Abandoned)]);
 }
 
+#[test]
+fn a_tape_tells_how_many_ticks_it_still_holds() {
+    let mut plant = Elsewhere::new(1);
+    let room = plant.seen.tape().room();
+    plant.step(None);
+    assert_eq!(plant.seen.tape().room(), room - 1);
+    let bytes = bytes::size_of(plant.seen.tape().last());
+    assert!((MAX_TAPE - bytes * (room + 1)) < bytes, "{room} ticks of {bytes} bytes fill it");
+}
+
 type Change<'a> = &'a dyn Fn(&mut Described, &mut Seen);
 
 #[test]

@@ -19,7 +19,6 @@ use std::ffi::OsString;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use tokio::net::TcpListener;
 
 /// Serves a study until Ctrl-C. Participants go on where they were after any interruption, of theirs or of this program.
 #[derive(Args)]
@@ -96,8 +95,12 @@ impl Run {
             study: Some(study),
         };
         let server = Server::start(parts).await?;
+        let stop = stop_signal()?;
         say(&greeting(&design, &address, &secret, &shown(&database)));
-        serve_either(listener, tls, server).await?;
+        match tls {
+            Some(tls) => serve_tls(listener, tls, server, stop).await?,
+            None => serve(listener, server, stop).await?,
+        }
         store.close().await;
         Ok(())
     }
@@ -146,14 +149,6 @@ impl Run {
         let hosts = more.fold(Hosts::loopback(), Hosts::and);
         if self.bind.is_unspecified() { hosts } else { hosts.and(&self.bind.to_string()) }
     }
-}
-
-async fn serve_either(listener: TcpListener, tls: Option<Tls>, server: Server) -> Result<()> {
-    match tls {
-        Some(tls) => serve_tls(listener, tls, server, stop_signal()).await?,
-        None => serve(listener, server, stop_signal()).await?,
-    }
-    Ok(())
 }
 
 /// What learns, if a condition of the design does.
