@@ -61,7 +61,7 @@ fn limit() -> Vec<[f32; 2]> {
         [[least, stretched], [most, stretched], [most, folded], [least, folded], [least, stretched]];
     let sides = corners.windows(2).flat_map(|side| {
         let part = move |i: usize, share: f64| side[0][i] + share * (side[1][i] - side[0][i]);
-        (0..=24).map(move |step| [0, 1].map(|i| part(i, f64::from(step) / 24.0)))
+        (0..=64).map(move |step| [0, 1].map(|i| part(i, f64::from(step) / 64.0)))
     });
     let hand = |[shoulder, elbow]: [f64; 2]| Joints { shoulder, elbow, ..Joints::default() }.hand_at();
     sides.map(|joints| hand(joints).map(|at| at as f32)).collect()

@@ -14,7 +14,10 @@ fn with_files(page: &str) -> String {
         let (name, rest) = part.split_once(" -->").expect("a mark ends");
         let (_, after) = rest.split_once("\n<!-- end of file -->").expect("a file ends");
         let code = fs::read_to_string(here(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
-        made.push_str(&format!("<!-- file: {name} -->\n\n```rust\n{code}```\n\n<!-- end of file -->{after}"));
+        let language = if name.ends_with(".toml") { "toml" } else { "rust" };
+        made.push_str(&format!(
+            "<!-- file: {name} -->\n\n```{language}\n{code}```\n\n<!-- end of file -->{after}"
+        ));
     }
     made
 }
@@ -42,12 +45,16 @@ fn a_plant_takes_less_than_150_lines() {
     assert!(lines < 150, "the guide promises less than 150 lines, the plant has {lines}");
 }
 
-/// What the guide says of the two lists of plants.
+/// What the guide says of the workspace and of the three lists of plants.
 #[test]
 fn the_lists_that_the_guide_names_are_where_it_says() {
-    for list in ["crates/cohelm-cli/src/rig.rs", "crates/cohelm-page/src/fleet.rs"] {
+    let workspace = fs::read_to_string(here("../../Cargo.toml")).unwrap();
+    let page = fs::read_to_string(here(PAGE)).unwrap();
+    let members = workspace.lines().find(|line| line.starts_with("members = ")).expect("members");
+    assert!(page.contains(members), "the guide does not show {members}");
+    for list in ["crates/cohelm-cli/src/rig.rs", "crates/cohelm-page/src/fleet.rs", "python/src/world.rs"] {
         let text = fs::read_to_string(here("../..").join(list)).unwrap();
         assert!(text.contains("    plants.register(cohelm::point::entry());\n"), "{list}");
-        assert!(fs::read_to_string(here(PAGE)).unwrap().contains(list), "{list}");
+        assert!(page.contains(list), "{list}");
     }
 }

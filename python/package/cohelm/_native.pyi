@@ -151,7 +151,7 @@ class PlantVector:
         """Observations (worlds, width), rewards, terminated, truncated (worlds,), last observations (worlds, width), and
         which worlds began the episode of their seed."""
     def stages(self) -> dict[str, NDArray[Any]]:
-        """The stages of the last tick, an entry a world."""
+        """The stages of the last tick, an entry a world; nothing of a world that has begun and not flown yet."""
     def endings(self) -> list[str | None]:
         """How the episode of each world ended in the last step; None where it goes on."""
     def pilot_goals(self) -> NDArray[np.int64]:
