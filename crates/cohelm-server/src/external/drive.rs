@@ -154,9 +154,9 @@ impl Hand {
 
     /// Lets go if nobody is there. Some reason to end, or some end without one, once that has lasted.
     fn watch(&mut self, flight: &mut Flight, begun: Instant) -> Option<Option<String>> {
-        let silence = self.presence.silence();
+        let (silence, words) = self.presence.silence();
         let over = self.presence.is_over().or_else(|| {
-            let words = format!("nothing was heard from the page for {} s", END_AFTER.as_secs());
+            let words = format!("{words} {} s", END_AFTER.as_secs());
             (silence > END_AFTER).then_some((words, false))
         });
         if silence <= LET_GO_AFTER && over.is_none() {

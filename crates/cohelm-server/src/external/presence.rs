@@ -89,11 +89,19 @@ impl Presence {
         self.lock().over.get_or_insert_with(|| (why.to_owned(), wished));
     }
 
-    /// How long nothing was heard, or since when what was sent is not shown.
-    pub fn silence(&self) -> Duration {
+    /// How long nothing was heard, or what was sent is not shown, whichever is longer; and which of them it is, in words
+    /// that go before a time.
+    pub fn silence(&self) -> (Duration, &'static str) {
         let present = self.lock();
         let lag = present.unshown.front().map_or(Duration::ZERO, |(_, sent)| sent.elapsed());
-        present.heard.elapsed().max(lag)
+        let unheard = present.heard.elapsed();
+        // Who says nothing shows nothing either; that is told only of a page that still speaks.
+        let words = if unheard <= LET_GO_AFTER && lag > unheard {
+            "the page has shown nothing new for"
+        } else {
+            "nothing was heard from the page for"
+        };
+        (unheard.max(lag), words)
     }
 
     /// Why it is over, if it is, and whether that was the person's wish.
@@ -123,9 +131,10 @@ mod tests {
         presence.here(Some(0));
         sleep(A_WHILE);
         presence.here(Some(0));
-        assert!(presence.silence() >= A_WHILE, "tick 1 is not shown");
+        let (lasted, words) = presence.silence();
+        assert!(lasted >= A_WHILE && words.contains("shown nothing new"), "tick 1 is not shown: {words}");
         presence.here(Some(1));
-        assert!(presence.silence() < A_WHILE);
+        assert!(presence.silence().0 < A_WHILE);
         assert!(presence.has_shown(1) && !presence.has_shown(2));
     }
 
