@@ -297,10 +297,11 @@ const axes = (task) => ({
   query: `task=${task}&actions=continuous`,
   modes: ["misc-r", "hic"],
 });
-// An arm is slow enough for a pilot who looks twenty times a second to be held to taking the cup; what flies is not.
+// An arm is slow enough for a pilot who looks twenty times a second to be held to taking a cup, which the help may take for
+// another; what flies is not.
 const drone = { marked: pad, endings: ANY };
 const lander = drone;
-const arm = { marked: cup, endings: ["goal"] };
+const arm = { marked: cup, endings: ["goal", "elsewhere"] };
 
 const flights = {
   "the drone, by keys": {
