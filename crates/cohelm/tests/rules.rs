@@ -151,6 +151,10 @@ proptest! {
         for rule in THRESHOLD_RULES {
             prop_assert_eq!(decide(rule, &equal).0, Pick::Candidate(case.asked));
         }
+        for rule in [Rule::Hindsight { likeness: 0.0 }, Rule::Hindsight { likeness: 0.5 }, Rule::Ida] {
+            let pick = decide(rule, &equal).0;
+            prop_assert!(pick == Pick::Asked || pick == Pick::Candidate(case.asked), "{:?}: {:?}", rule, pick);
+        }
     }
 
     #[test]

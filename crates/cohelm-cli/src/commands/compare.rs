@@ -25,7 +25,7 @@ pub struct Compare {
     #[arg(long, default_value_t = 6, value_parser = whole::<usize>)]
     episodes: usize,
     /// Episodes of each under every setting that tuning tries.
-    #[arg(long, default_value_t = 4, value_parser = whole::<usize>)]
+    #[arg(long, default_value_t = 3, value_parser = whole::<usize>)]
     tuning_episodes: usize,
     /// Only benches whose name begins so, such as flag-lander; may be given again.
     #[arg(long = "bench", value_name = "NAME")]

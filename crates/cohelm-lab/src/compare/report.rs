@@ -139,7 +139,7 @@ fn every_kind(compared: &Compared) -> Table {
         caption: Text::from(format!("{}: success at how much was replaced, by kind.", compared.bench.name)),
         columns: [(Text::from("Rule"), Align::Left)].into_iter().chain(heads).collect(),
         rows: compared.entered.iter().map(row).collect(),
-        notes: vec![Text::from("With intervals, and every other measure by kind: rules.csv.")],
+        notes: vec![Text::from("With intervals, and every other measure: rules-by-kind.csv.")],
     }
 }
 
@@ -315,17 +315,21 @@ fn defined(key: &str) -> &'static Measure<'static> {
 /// Every table and the whole as JSON, with the names of their files.
 pub fn files(all: &[Compared]) -> Result<Vec<(String, Vec<u8>)>, CompareError> {
     let mut files = Vec::new();
-    for (name, csv) in [("rules", rules(all)?), ("tuning", tuning(all)), ("people", people(all))] {
+    let (rules, by_kind) = rules(all)?;
+    let tables =
+        [("rules", rules), ("rules-by-kind", by_kind), ("tuning", tuning(all)), ("people", people(all))];
+    for (name, csv) in tables {
         files.push((format!("{name}.csv"), csv.to_string().into_bytes()));
         files.push((format!("{name}.parquet"), parquet(name, &csv)?));
     }
     Ok(files)
 }
 
-/// A row a bench, kind of people, rule and measure: all kinds together, then each.
-fn rules(all: &[Compared]) -> Result<Csv, CompareError> {
+/// A row a bench, rule and measure: over all kinds of people, and kind by kind.
+fn rules(all: &[Compared]) -> Result<(Csv, Csv), CompareError> {
     let identity = ["bench", "people", "population", "rule", "parameters", "confidence", "measure"];
-    let mut csv = Csv::new(identity.into_iter().chain(["mean", "low", "high"]));
+    let table = || Csv::new(identity.into_iter().chain(["mean", "low", "high"]));
+    let (mut together, mut by_kind) = (table(), table());
     for compared in all {
         let entered = |seen: bool| {
             let stands = compared.entered.iter();
@@ -335,18 +339,16 @@ fn rules(all: &[Compared]) -> Result<Csv, CompareError> {
             [("held-out", false, &compared.curve), ("seen", true, &compared.curve_of_seen)]
         {
             for stand in entered(seen).chain(&curve.stands) {
-                let mut told = |population: &str, stand: &Stand, curve: &Curve| {
-                    let words = [&compared.bench.name, people, population].map(Cell::from);
-                    rows_of(&mut csv, words, stand, curve)
-                };
-                told("all", stand, curve)?;
+                let words = |population| [&compared.bench.name, people, population].map(Cell::from);
+                rows_of(&mut together, words("all"), stand, curve)?;
                 for kind in kinds(&curve.stands) {
-                    told(kind.word(), &stand.among(&[kind]), &curve.among(&[kind]))?;
+                    let (stand, curve) = (stand.among(&[kind]), curve.among(&[kind]));
+                    rows_of(&mut by_kind, words(kind.word()), &stand, &curve)?;
                 }
             }
         }
     }
-    Ok(csv)
+    Ok((together, by_kind))
 }
 
 /// A row a measure of a stand, and one for how far above the line it stands.

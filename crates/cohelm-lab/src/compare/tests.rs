@@ -100,6 +100,6 @@ fn a_small_comparison_is_tuned_told_and_written() {
         assert!(markdown.to_lowercase().contains(&expected.to_lowercase()), "{expected}: {markdown}");
     }
     let written = files(&compared).unwrap();
-    assert_eq!(written.len(), 6);
+    assert_eq!(written.len(), 8);
     assert!(written.iter().all(|(name, bytes)| !name.ends_with("parquet") || bytes.starts_with(b"PAR1")));
 }

@@ -51,7 +51,7 @@ pub struct ParetoScatter {
 /// A curve behind the points, such as what one parameter alone reaches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Behind {
-    /// What it is, in a few words; written below the figure's head.
+    /// What it is, in a few words; written above the points.
     pub name: String,
     /// Its corners, in order.
     pub line: Vec<(f64, f64)>,
@@ -118,7 +118,8 @@ impl ParetoScatter {
             scene.line([(at.0 - 4.0, at.1), (at.0 + 4.0, at.1)], Stroke::solid(Colour::GREY, 4.0).faded(0.8));
         }
         let name = format!("grey line: {}", behind.name);
-        scene.label(Label::new(name, area.left, area.top - 17.0, SMALL).quiet());
+        let middle = f64::midpoint(area.left, area.right);
+        scene.label(Label::new(name, middle, area.top - 17.0, SMALL).quiet().anchored(Anchor::Middle));
     }
 
     /// Draws the front as steps; returns its corners.
