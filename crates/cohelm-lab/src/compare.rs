@@ -1,4 +1,4 @@
-//! The bench of rules: every rule, tuned with the same budget, on the same episodes, flown by simulated people of kinds and
+//! The bench of rules: every rule, tuned by at most nine settings on the same episodes, flown by simulated people of kinds and
 //! seeds that tuning never saw.
 //!
 //! Success alone is no merit: the robot alone has most of it. So that success is read against how much of what the person

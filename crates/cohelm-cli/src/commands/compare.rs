@@ -1,4 +1,4 @@
-//! `cohelm compare`: every rule on the same bench, tuned with the same budget, told on people held out from tuning.
+//! `cohelm compare`: every rule on the same bench, tuned on the same episodes, told on people held out from tuning.
 
 use super::reproduce::write;
 use crate::numbers::whole;
@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Compares every rule of arbitration on every plant that has simulated people and models: tuned with the same budget, told
-/// on kinds of people and seeds that tuning never saw. Writes a folder: report, figures, tables.
+/// Compares every rule of arbitration on every plant that has simulated people and models: each tuned by at most nine settings
+/// on the same episodes, told on kinds of people and seeds that tuning never saw. Writes a folder: report, figures, tables.
 #[derive(Args)]
 pub struct Compare {
     /// Simulated people of each kind.
