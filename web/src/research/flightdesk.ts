@@ -70,7 +70,8 @@ export class FlightDeskView implements DeskView {
     this.main.append(element('p', { class: 'reading', role: 'status' }, 'Reading the record…'));
     void this.open().catch((error: unknown) => {
       const words = element('p', {}, sentence(reasonOf(error)));
-      this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), words));
+      if (!this.gone)
+        this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), words));
     });
   }
 
@@ -84,6 +85,7 @@ export class FlightDeskView implements DeskView {
 
   private async open(): Promise<void> {
     const bytes = await api.episodeBytes(this.id);
+    if (this.gone) return;
     this.file = URL.createObjectURL(new Blob([bytes as Uint8Array<ArrayBuffer>]));
     const loop = await this.desk.loop();
     const { setup } = readRecord(bytes);
@@ -96,7 +98,7 @@ export class FlightDeskView implements DeskView {
         () => !this.gone,
         () => {},
       );
-      if (recording === null || this.gone) return;
+      if (recording === null) return;
       this.opened = { ...loop, bytes, recording, exact: loop.core.replay(bytes) };
       this.show(this.opened);
     } catch (error) {

@@ -1,6 +1,7 @@
 // All flights of the study, the newest first.
 
 import { button, element, select } from '../dom';
+import { flownWords, ratesOfPlants, type Rates } from '../rates';
 import { reasonOf, RULE_NAMES, sentence } from '../words';
 import { cell, table } from './bits';
 import type { DeskEpisode } from './deskapi';
@@ -30,6 +31,9 @@ export class FlightListView implements DeskView {
   private readonly who: HTMLElement;
   private participant: number | null = null;
   private next: number | null = null;
+  /** How often was asked: only the answer to the last question counts. */
+  private asked = 0;
+  private rates: Rates = new Map();
 
   constructor(private readonly desk: Desk) {
     const people = desk.feed.rows.map(({ id, code }): [string, string] => [String(id), code]);
@@ -50,17 +54,23 @@ export class FlightListView implements DeskView {
 
   private begin(): void {
     this.rows.length = 0;
+    this.older.hidden = true;
     this.next = null;
     void this.load();
   }
 
   private async load(): Promise<void> {
+    const mine = (this.asked += 1);
+    this.older.disabled = true;
     try {
+      const rates = ratesOfPlants();
       const { episodes, next } = await api.episodes({
         ...(this.participant === null ? {} : { participant: this.participant }),
         ...(this.next === null ? {} : { before: this.next }),
         limit: 100,
       });
+      this.rates = await rates;
+      if (mine !== this.asked) return;
       this.rows.push(...episodes);
       this.next = next;
       this.older.hidden = next === null;
@@ -73,7 +83,9 @@ export class FlightListView implements DeskView {
         ),
       );
     } catch (error) {
-      this.remark.textContent = sentence(`the flights could not be read: ${reasonOf(error)}`);
+      if (mine === this.asked) this.remark.textContent = sentence(`the flights could not be read: ${reasonOf(error)}`);
+    } finally {
+      if (mine === this.asked) this.older.disabled = false;
     }
   }
 
@@ -93,7 +105,7 @@ export class FlightListView implements DeskView {
       cell('', condition ?? '–'),
       cell('', RULE_NAMES[setup.rule.rule]),
       cell('', outcome(episode)),
-      cell('number', `${(ticks / 50).toFixed(1)} s`),
+      cell('number', flownWords(ticks, setup.task.plant, this.rates)),
       cell('number', String(seed)),
     );
     line.addEventListener('click', (event) => {

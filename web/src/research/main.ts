@@ -47,7 +47,13 @@ function deskOf(feed: Feed): Desk {
     await hangar.refresh().catch((error: unknown) => say(`The list of models could not be read: ${reasonOf(error)}`));
     return { core, second: await core.another(), hangar };
   };
-  return { feed, loop: () => (loop ??= load()), go: (place) => (location.hash = `#/${place}`) };
+  // What could not be loaded is loaded anew by whoever asks next.
+  const loadAnew = () =>
+    load().catch((error: unknown) => {
+      loop = null;
+      throw error;
+    });
+  return { feed, loop: () => (loop ??= loadAnew()), go: (place) => (location.hash = `#/${place}`) };
 }
 
 function show(desk: Desk): void {

@@ -2,6 +2,7 @@
 
 import { element } from '../dom';
 import { say } from '../message';
+import { flownWords, ratesOfPlants, type Rates } from '../rates';
 import { ENDING_WORDS, reasonOf } from '../words';
 import { cell, kindBadges, lateSparkline, placeBar, saveLink, section, standing, table } from './bits';
 import type { DeskEpisode, Logged, Row } from './deskapi';
@@ -55,11 +56,12 @@ export class PersonView implements DeskView {
 
   private async read(): Promise<void> {
     try {
-      const [events, { episodes }] = await Promise.all([
+      const [events, { episodes }, rates] = await Promise.all([
         api.log(this.id),
         api.episodes({ participant: this.id, limit: MOST_EPISODES }),
+        ratesOfPlants(),
       ]);
-      this.flights.replaceChildren(flightsTable(episodes, events));
+      this.flights.replaceChildren(flightsTable(episodes, events, rates));
       this.answers.replaceChildren(answersTable(events));
       this.log.replaceChildren(logList(events));
     } catch (error) {
@@ -90,7 +92,7 @@ export class PersonView implements DeskView {
   }
 }
 
-function flightsTable(episodes: DeskEpisode[], events: Logged[]): HTMLElement {
+function flightsTable(episodes: DeskEpisode[], events: Logged[], rates: Rates): HTMLElement {
   const interrupted = (step: string | null) =>
     events.filter(({ event, step: at }) => event === 'flight-interrupted' && at === step).length;
   const noted = (step: string | null) =>
@@ -105,7 +107,7 @@ function flightsTable(episodes: DeskEpisode[], events: Logged[]): HTMLElement {
       cell('', open ? element('a', { href: `#/episodes/${episode.id}` }, `▶ ${episode.id}`) : String(episode.id)),
       cell('', episode.step === null ? '–' : stepWords(episode.step)),
       cell('', outcome(episode)),
-      cell('number', `${(episode.ticks / 50).toFixed(1)} s`),
+      cell('number', flownWords(episode.ticks, episode.setup.task.plant, rates)),
       cell('number', lateShare(noted(episode.step), episode.ticks)),
       cell('number', breaks === 0 ? '–' : String(breaks)),
       cell('number', clock(episode.started_at_ms, now)),
