@@ -218,7 +218,7 @@ export class FlyView implements View {
     const watched = summary.ending === 'abandoned' || wantsCalm() ? 0 : WATCH_ENDING_MS;
     this.card.show(
       summary.ending,
-      ENDINGS[summary.ending],
+      robot && summary.ending === 'goal' ? 'At the goal' : ENDINGS[summary.ending],
       content,
       [
         { label: 'Fly again', key: '⏎', primary: true, press: () => void this.again() },
@@ -277,7 +277,7 @@ export class FlyView implements View {
   private ruleTitle(): string {
     const { mode } = this.controls;
     const parameters = parametersOf(this.run!.opening.setup.rule);
-    return parameters === '' ? mode.title : `${mode.title}; ${parameters}`;
+    return parameters === '' ? mode.title : `${mode.title.replace(/\.$/, '')}; ${parameters}`;
   }
 
   /** Says so where the goal is inferred otherwise than was chosen; who flies alone has no use for it. */
