@@ -26,14 +26,20 @@ export function button(
   return made;
 }
 
-/** A list to choose from, with its label. */
+/** A list to choose from, with its label. A choice with a reason why not is shown and cannot be chosen. */
 export function select(
   label: string,
-  choices: [value: string, text: string][],
+  choices: [value: string, text: string, whyNot?: string | null][],
   chosen: string,
   choose: (value: string) => void,
 ): HTMLLabelElement {
-  const options = choices.map(([value, text]) => element('option', { value, selected: value === chosen }, text));
+  const options = choices.map(([value, text, whyNot]) =>
+    element(
+      'option',
+      { value, selected: value === chosen, disabled: whyNot != null },
+      whyNot == null ? text : `${text} (${whyNot})`,
+    ),
+  );
   const box = element('select', { disabled: choices.length < 2, 'data-name': label }, ...options);
   box.addEventListener('change', () => choose(box.value));
   return element('label', {}, label, box);

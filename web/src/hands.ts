@@ -37,6 +37,9 @@ export class Hands {
   }
 
   attach(): void {
+    if (this.timer !== 0) return;
+    // What was pushed before the start must be let go of and pushed again.
+    this.pad.letGo(performance.now());
     this.keys.attach(window);
     this.pointer?.attach();
     this.timer = window.setInterval(() => this.ask(), ASK_EVERY_MS);
