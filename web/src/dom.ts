@@ -45,12 +45,17 @@ export function select(
   return element('label', {}, label, box);
 }
 
+/** Whether a key is one of the two that confirm. */
+export function isEnter({ code }: KeyboardEvent): boolean {
+  return code === 'Enter' || code === 'NumpadEnter';
+}
+
 /** Whether what has the focus uses this key itself: fields all keys, lists all but Enter, buttons and links what presses them. */
 export function isTheirs(event: KeyboardEvent): boolean {
   const at = event.target as Element | null;
   const within = (selector: string) => at?.closest?.(selector) != null;
-  if (within('input, textarea') || (within('select') && event.code !== 'Enter')) return true;
-  return within('button, a, summary') && ['Space', 'Enter'].includes(event.code);
+  if (within('input, textarea') || (within('select') && !isEnter(event))) return true;
+  return within('button, a, summary') && (event.code === 'Space' || isEnter(event));
 }
 
 /** Whether the person asked their system for less motion. */

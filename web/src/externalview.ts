@@ -1,11 +1,11 @@
 // The view in which a person flies a plant that is elsewhere. It cannot be paused: who looks away lets go.
 
-import { Card } from './card';
+import { Card, sideFor } from './card';
 import type { Context, View } from './context';
 import type { Pose, Rule, Tick } from './core';
-import { element, isTheirs, select } from './dom';
-import { ExternalLink, type ExternalEnd, type ExternalReady } from './external';
-import { Hands } from './hands';
+import { element, isEnter, isTheirs, select } from './dom';
+import { ExternalLink, isAttended, type ExternalEnd, type ExternalReady } from './external';
+import { Hands, type Told } from './hands';
 import { History } from './history';
 import { Hud } from './hud';
 import { keyCap, keyName } from './keys';
@@ -160,7 +160,7 @@ export class ExternalView implements View {
     this.hud.begin(opening, this.flownMode().label, plant.name);
     const since = () => performance.now() - this.startedAt;
     this.hands?.detach();
-    this.hands = new Hands(opening.controls, hasAxes ? this.stage.canvas : null, {
+    const told: Told = {
       key: (kind, control) => {
         if (kind === 'down') this.pressed();
         if (this.flies) this.link?.key(kind, control, since());
@@ -169,7 +169,8 @@ export class ExternalView implements View {
         if (stick.some((axis) => axis !== 0)) this.pressed();
         if (this.flies) this.link?.stick(stick, since());
       },
-    });
+    };
+    this.hands = new Hands(opening.controls, hasAxes ? this.stage.canvas : null, told, isAttended, this.field);
     this.showFooter();
     this.showReady(plant);
   }
@@ -272,6 +273,7 @@ export class ExternalView implements View {
     const actions = [{ label: 'Fly again', key: '⏎', primary: true, press: () => this.prepare() }];
     const watch =
       end.episode === null ? [] : [{ label: 'Watch it', press: () => this.context.go(`episodes/${end.episode}`) }];
+    this.card.stand(sideFor(this.stage.place));
     this.card.show(
       end.ending,
       ENDINGS[end.ending],
@@ -338,7 +340,7 @@ export class ExternalView implements View {
 
   private shortcut(event: KeyboardEvent): void {
     if (isTheirs(event) || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.code === 'Enter') {
+    if (isEnter(event)) {
       event.preventDefault();
       this.card.pressPrimary();
     } else if (event.code === 'Escape') {

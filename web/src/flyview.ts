@@ -1,14 +1,14 @@
 // The view in which a person flies.
 
-import { Card, type CardAction } from './card';
+import { Card, sideFor, type CardAction } from './card';
 import type { Context, View } from './context';
 import { Controls } from './controls';
 import { CoreStopped, needsNetwork, type Setup } from './core';
-import { element, isTheirs, wantsCalm } from './dom';
+import { element, isEnter, isTheirs, wantsCalm } from './dom';
 import { FlightRun, type FlightSummary } from './flight';
 import { History } from './history';
 import { Hud } from './hud';
-import { keyCap, keyName } from './keys';
+import { keyCap, keyName, otherKeys } from './keys';
 import { say } from './message';
 import { Overlay } from './overlay';
 import { keepSettings, loadSettings, type Settings } from './settings';
@@ -215,6 +215,7 @@ export class FlyView implements View {
     if (summary.lateTicks > LATE_SHARE * summary.ticks) {
       content.push(element('p', {}, `${summary.lateTicks} ticks came late: is something else busy on this machine?`));
     }
+    this.card.stand(sideFor(this.stage.place));
     const watched = summary.ending === 'abandoned' || wantsCalm() ? 0 : WATCH_ENDING_MS;
     this.card.show(
       summary.ending,
@@ -267,6 +268,7 @@ export class FlyView implements View {
       element('p', {}, text),
       ...(robot ? [] : [element('p', { class: 'mode-title' }, this.ruleTitle()), ...this.inferenceNote(), keys]),
       ...(!robot && this.run!.hasAxes ? [element('p', { class: 'drag' }, DRAG)] : []),
+      element('p', { class: 'hint' }, otherKeys(robot ? [] : opening.controls)),
     ];
     this.card.show('ready', robot ? 'Watch the robot' : 'Ready to fly', content, [
       { label: 'Start', key: '⏎', primary: true, press: () => this.begin() },
@@ -355,7 +357,7 @@ export class FlyView implements View {
 
   private shortcut(event: KeyboardEvent): void {
     if (isTheirs(event) || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.code === 'Enter') {
+    if (isEnter(event)) {
       event.preventDefault();
       this.goOn();
     } else if (event.code === 'Escape') {

@@ -82,6 +82,13 @@ export function keyCap(code: string): string {
   return arrows[code] ?? code.replace(/^(Key|Digit)/, '');
 }
 
+/** Which keys do the same as those that are shown, and what the others do. */
+export function otherKeys(controls: Control[]): string {
+  const second = controls.flatMap(({ keys }) => keys.slice(1, 2));
+  const same = second.length === 0 ? '' : `Also ${second.map(keyCap).join(', ')}. `;
+  return `${same}Esc pauses, O shows what the co-pilot does.`;
+}
+
 /** The same in words, for those who hear the page. */
 export function keyName(code: string): string {
   return code
