@@ -9,6 +9,7 @@ import { Overlay } from '../overlay';
 import { Player } from '../player';
 import { readRecord } from '../record';
 import { readRecording, ReplayRun, type Recording, type Screen } from '../replay';
+import { actionsOf } from '../rules';
 import { sheetOf } from '../sheet';
 import { ENDING_WORDS, reasonOf, sentence } from '../words';
 import { flyBranch, type Branch } from './branching';
@@ -204,7 +205,8 @@ export class FlightDeskView implements DeskView {
       await opened.hangar.equip(opened.second, [...Object.values(models), setup.values, setup.intent]).catch(() => {});
       if (this.gone) return;
       opened.second.watch(opened.bytes);
-      const ground = { setup, models, pilots: opened.second.pilots() };
+      const actions = actionsOf(opened.recording.opening.controls.map(({ name }) => name));
+      const ground = { setup, actions, models, pilots: opened.second.pilots() };
       this.bar = new WhatIfBar(
         ground,
         (wish) => void this.fly(wish),
