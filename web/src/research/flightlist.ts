@@ -7,6 +7,7 @@ import { cell, table } from './bits';
 import type { DeskEpisode } from './deskapi';
 import * as api from './deskapi';
 import { outcome } from './person';
+import { isMeasured } from './peek';
 import type { Desk, DeskView } from './place';
 import { clock, stepWords } from './says';
 
@@ -29,6 +30,7 @@ export class FlightListView implements DeskView {
   private readonly remark = element('p', { class: 'note', role: 'status' });
   private readonly older = button('Older', { class: 'secondary', hidden: true }, () => void this.load());
   private readonly who: HTMLElement;
+  private readonly deaf: () => void;
   private participant: number | null = null;
   private next: number | null = null;
   /** How often was asked: only the answer to the last question counts. */
@@ -43,14 +45,25 @@ export class FlightListView implements DeskView {
     });
     const again = button('Refresh', { class: 'secondary' }, () => this.begin());
     this.main.append(
-      element('div', { class: 'toolbar' }, this.who, this.remark, element('span', { class: 'spacer' }), again),
+      element(
+        'div',
+        { class: 'toolbar' },
+        this.who,
+        this.remark,
+        desk.peek.node(),
+        element('span', { class: 'spacer' }),
+        again,
+      ),
       this.body,
       this.older,
     );
+    this.deaf = desk.peek.listen(() => this.show());
     this.begin();
   }
 
-  dispose(): void {}
+  dispose(): void {
+    this.deaf();
+  }
 
   private begin(): void {
     this.rows.length = 0;
@@ -75,18 +88,17 @@ export class FlightListView implements DeskView {
       this.next = next;
       this.older.hidden = next === null;
       this.remark.textContent = `${this.rows.length}${next === null ? '' : ' newest'}`;
-      this.body.replaceChildren(
-        table(
-          HEADS,
-          this.rows.map((row) => this.line(row)),
-          'Nothing was flown yet.',
-        ),
-      );
+      this.show();
     } catch (error) {
       if (mine === this.asked) this.remark.textContent = sentence(`the flights could not be read: ${reasonOf(error)}`);
     } finally {
       if (mine === this.asked) this.older.disabled = false;
     }
+  }
+
+  private show(): void {
+    const lines = this.rows.map((row) => this.line(row));
+    this.body.replaceChildren(table(HEADS, lines, 'Nothing was flown yet.'));
   }
 
   private line(episode: DeskEpisode): HTMLElement {
@@ -104,7 +116,7 @@ export class FlightListView implements DeskView {
       cell('', step === null ? '–' : stepWords(step)),
       cell('', condition ?? '–'),
       cell('', RULE_NAMES[setup.rule.rule]),
-      cell('', outcome(episode)),
+      cell('', outcome(episode, isMeasured(step) && this.desk.peek.coversThose(this.desk.feed.row(participant ?? -1)))),
       cell('number', flownWords(ticks, setup.task.plant, this.rates)),
       cell('number', String(seed)),
     );

@@ -13,6 +13,7 @@ import { FlightDeskView } from './flightdesk';
 import { FlightListView } from './flightlist';
 import { LoginView, troubleView } from './login';
 import { OverviewView } from './overview';
+import { Peek } from './peek';
 import { PeopleView } from './people';
 import { PersonView } from './person';
 import type { Desk, DeskView } from './place';
@@ -53,7 +54,12 @@ function deskOf(feed: Feed): Desk {
       loop = null;
       throw error;
     });
-  return { feed, loop: () => (loop ??= loadAnew()), go: (place) => (location.hash = `#/${place}`) };
+  return {
+    feed,
+    peek: new Peek(feed),
+    loop: () => (loop ??= loadAnew()),
+    go: (place) => (location.hash = `#/${place}`),
+  };
 }
 
 function show(desk: Desk): void {
@@ -66,8 +72,8 @@ function show(desk: Desk): void {
     'header',
     { class: 'desk-head' },
     element('a', { class: 'brand', href: '#/overview' }, element('img', { src: '/favicon.svg', alt: '' }), 'desk'),
-    element('nav', { 'aria-label': 'Views' }, ...tabs),
     title,
+    element('nav', { 'aria-label': 'Views' }, ...tabs),
     element('span', { class: 'status' }, state, themeSwitch(), leave),
   );
   const tell = () => {
