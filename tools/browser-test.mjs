@@ -410,6 +410,47 @@ try {
     );
   }
 
+  await step(
+    "on a phone nothing is cut off, and a finger on a button steers",
+    async () => {
+      const phone = await browser.newContext({
+        viewport: { width: 390, height: 844 },
+        hasTouch: true,
+        isMobile: true,
+      });
+      const small = await phone.newPage();
+      small.on("pageerror", (error) => complaints.push(error.message));
+      await small.goto(server.url);
+      await small.locator('.card[data-kind="ready"]:not([hidden])').waitFor();
+      assert.ok(
+        await small.evaluate(
+          () => document.documentElement.scrollWidth <= innerWidth,
+        ),
+      );
+      await small.tap(".card .primary");
+      const { x, y, width, height } = await small
+        .locator(".touch-keys button")
+        .first()
+        .boundingBox();
+      assert.ok(Math.min(width, height) >= 44, `${width} × ${height} pixels`);
+      const finger = await phone.newCDPSession(small);
+      const touch = (type, touchPoints) =>
+        finger.send("Input.dispatchTouchEvent", { type, touchPoints });
+      const held = (count) =>
+        small.waitForFunction(
+          (wanted) =>
+            document.querySelectorAll(".hud kbd.held").length === wanted,
+          count,
+        );
+      await touch("touchStart", [{ x: x + width / 2, y: y + height / 2 }]);
+      await held(1);
+      await small.screenshot({ path: join(folder, "11-phone.png") });
+      await touch("touchEnd", []);
+      await held(0);
+      await phone.close();
+    },
+  );
+
   await step("nothing was complained of", () =>
     assert.deepEqual(complaints, []),
   );

@@ -71,7 +71,7 @@ export class Overlay {
     this.flown = rule;
     this.actions = actionsOf(labels);
     this.sayRule();
-    this.show(null, new History(), 0);
+    this.fill(null, new History(), 0);
     this.showGoals(null, goals);
     rows(this.values, labels.length).forEach((row, i) => setRow(row, labels[i]!, '', 0, '', ''));
     this.widenFor(labels);
@@ -79,7 +79,10 @@ export class Overlay {
 
   /** Shows a tick, and the five seconds of a history that end after `upTo` ticks. */
   show(tick: Tick | null, history: History, upTo: number): void {
-    if (this.node.hidden) return;
+    if (!this.node.hidden) this.fill(tick, history, upTo);
+  }
+
+  private fill(tick: Tick | null, history: History, upTo: number): void {
     this.asked.textContent = tick === null ? '–' : (tick.asked?.label ?? 'nothing');
     this.executed.textContent = tick === null ? '–' : (tick.executed?.label ?? 'nothing');
     if (tick !== null) this.learnActions(tick);

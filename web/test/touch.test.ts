@@ -1,10 +1,12 @@
 // @vitest-environment jsdom
 // Fingers on the screen's buttons, and what the picture leaves free for them and for what is looked at.
 
+import './study/canvas';
 import { expect, describe, it } from 'vitest';
 import { within } from '../src/backdrop';
 import { sideFor } from '../src/card';
 import { otherKeys } from '../src/keys';
+import { Overlay } from '../src/overlay';
 import { TouchKeys } from '../src/touch';
 
 const CONTROLS = [
@@ -74,4 +76,12 @@ it('the card of an ending stands beside what is in its way', () => {
 it('the ready card names the keys that do the same', () => {
   expect(otherKeys(CONTROLS)).toBe('Also A. Esc pauses, O shows what the co-pilot does.');
   expect(otherKeys([])).toMatch(/^Esc/);
+});
+
+it('the panel has something to say before the first tick, also if it is opened only then', () => {
+  const overlay = new Overlay();
+  overlay.node.hidden = true;
+  overlay.begin({ rule: 'misc' }, 0, [], ['left on', 'left off']);
+  const chips = [...overlay.node.querySelectorAll('.chip')].map((chip) => chip.textContent);
+  expect(chips).toEqual(['–', '–']);
 });
