@@ -5,7 +5,7 @@ mod flown;
 use self::flown::Flown;
 use super::evaluate::threads;
 use crate::numbers::whole;
-use crate::output::{Format, table};
+use crate::output::{Format, in_folder, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
@@ -107,18 +107,21 @@ impl Train {
             name: &name,
             variant,
         };
-        std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("cannot make the folder {}", self.out.display()))?;
+        in_folder(&self.out, || self.train(&job))
+    }
+
+    fn train(&self, job: &Job<'_>) -> Result<ExitCode> {
         if !self.from.is_empty() {
-            return self.intent_of_people(&job);
+            return self.intent_of_people(job);
         }
+        let plant = job.plant()?;
         let values = match self.what {
             Some(What::Intent) => None,
-            _ => Some(self.values(&job)?),
+            _ => Some(self.values(job)?),
         };
         let wants_intent = self.what != Some(What::Values) && plant.view().goals.len() > 1;
         let intent = if wants_intent {
-            Some(self.intent(&job, values.as_ref().map(|trained| &trained.model))?)
+            Some(self.intent(job, values.as_ref().map(|trained| &trained.model))?)
         } else {
             None
         };
@@ -133,6 +136,12 @@ impl Train {
             ValueOptions::preset(self.preset_name(job.plants.entry(job.task)?, job.plant()?.space()))?;
         let options: ValueOptions = changed(&preset, &self.value_options)?;
         let bar = self.bar();
+        if self.format.shows_progress() {
+            eprintln!(
+                "checkpoints lie in {}: after Ctrl-C the same command goes on from there",
+                self.out.display()
+            );
+        }
         let pilots = |plant: &dyn Plant, number: u64| pilots(job.plants, job.task, plant, number);
         let trained = train_values(job, &options, Some(&pilots), &mut |progress| show(&bar, progress))?;
         bar.finish_and_clear();
