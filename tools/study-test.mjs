@@ -131,13 +131,16 @@ async function researcherMakesALink() {
   await desk.click("dialog >> text=Done");
 }
 
-/** Keeps the craft in the air with the main engine until the work is done. */
+/** Keeps the craft in the air with the main engine, for half a second and then until the work is done. */
 async function aloft(work) {
   let isDone = false;
-  const doing = work().then(
-    () => null,
-    (error) => error,
-  );
+  const doing = page
+    .waitForTimeout(500)
+    .then(work)
+    .then(
+      () => null,
+      (error) => error,
+    );
   doing.then(() => (isDone = true));
   while (!isDone) {
     await page.keyboard.press("ArrowUp", { delay: 90 });
@@ -150,7 +153,8 @@ async function aloft(work) {
 /** What befalls the participant in the air: something in each flight. */
 const troubles = {
   1: async () => {
-    await page.reload();
+    // Nobody at the keys would be down in two seconds, and the page would come back to the next flight.
+    await aloft(() => page.reload());
     await page.waitForSelector(".card[data-kind=interrupted]");
     await shot(page, "interrupted");
   },
@@ -180,7 +184,7 @@ async function watch() {
   if (watched) return;
   await desk.goto(`${server.url}/desk#/`);
   const link = desk.locator("a.watch");
-  watched = await link.click({ timeout: 1_500 }).then(
+  watched = await link.click({ timeout: 5_000 }).then(
     () => true,
     () => false,
   );

@@ -281,15 +281,20 @@ function ownLabel(words: string, number: number, count: number): string {
 function paintLabel(pen: Pen, view: View, part: Part, label: string, own: boolean, hasGround: boolean): void {
   const [west, south, east] = boxOf(part.shapes);
   const size = Math.max(11, view.height * 0.021);
-  const x = view.x((west + east) / 2);
+  const middle = view.x((west + east) / 2);
   const y = Math.min(view.y(south) + size * (hasGround ? 1.7 : 1.3), view.height - size);
   pen.textAlign = 'center';
   pen.textBaseline = 'middle';
   pen.font = `${own ? 700 : 500} ${size}px system-ui, 'Noto Sans', 'DejaVu Sans', sans-serif`;
   pen.fillStyle = own ? OWN.ink : GOAL.ink;
   pen.globalAlpha = own ? 1 : 0.75;
-  pen.fillText(label, x, y);
+  pen.fillText(label, within(middle, 0.5 * pen.measureText(label).width + 4, view.width), y);
   pen.globalAlpha = 1;
+}
+
+/** The middle of something so wide to each side of it, moved as far as it must be to be seen whole. */
+export function within(middle: number, half: number, width: number): number {
+  return Math.max(Math.min(middle, width - half), half);
 }
 
 function paintDecor(pen: Pen, view: View, part: Part): void {

@@ -11,6 +11,16 @@ export interface CardAction {
   press: () => void;
 }
 
+/** Where a card is: in the middle, or beside what is to be seen. */
+export type Side = 'middle' | 'left' | 'right';
+
+/** The side of a picture that leaves a place in it free; shares of its width and height, from the left and from the top. */
+export function sideFor(place: readonly [number, number] | null): Side {
+  // Low down the card in the middle, which is at the top, is in nobody's way.
+  if (place === null || place[1] > 0.6) return 'middle';
+  return place[0] < 0.5 ? 'right' : 'left';
+}
+
 /** One card at a time. */
 export class Card {
   readonly node = element('div', { class: 'card', hidden: true });
@@ -18,6 +28,12 @@ export class Card {
   readonly voice = element('p', { class: 'voice', role: 'status' });
   private readonly remark = element('p', { class: 'remark', hidden: true });
   private timer = 0;
+  private side: Side = 'middle';
+
+  /** The next card stands there. */
+  stand(side: Side): void {
+    this.side = side;
+  }
 
   /** Shows a card, perhaps after a moment. `kind` is a word for its looks, such as an ending's. */
   show(kind: string, title: string, content: Node[], actions: CardAction[], afterMs = 0): void {
@@ -28,8 +44,11 @@ export class Card {
       return made;
     });
     this.remark.hidden = true;
+    const { side } = this;
+    this.side = 'middle';
     const fill = () => {
       this.node.dataset['kind'] = kind;
+      this.node.dataset['side'] = side;
       this.node.replaceChildren(
         element('h2', {}, title),
         ...content,

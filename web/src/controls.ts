@@ -1,10 +1,24 @@
 // The footer of the flying view: mode, speed, and a panel for what is chosen more rarely.
 
 import type { ModelEntry } from './api';
-import type { ActionSet } from './core';
+import type { ActionSet, Rule } from './core';
 import { button, element, select } from './dom';
 import type { Hangar, Task } from './hangar';
-import { INFERENCES, MODES, TIME_SCALES, type ModeEntry, type Settings } from './settings';
+import { say } from './message';
+import {
+  INFERENCES,
+  needsOf,
+  rangesOf,
+  ruleWords,
+  usualRule,
+  usualRules,
+  whyNotParameter,
+  withParameters,
+  type Range,
+  type RuleWord,
+} from './rules';
+import { modeBy, modeOf, MODES, placeOf, TIME_SCALES, type ModeEntry, type Settings } from './settings';
+import { RULE_NAMES, SIGNS } from './words';
 
 /** What is chosen is told; what can be chosen follows from plant, actions and models. */
 export class Controls {
@@ -50,11 +64,26 @@ export class Controls {
   }
 
   get mode(): ModeEntry {
-    return MODES.find((known) => known.mode === this.settings.mode) ?? MODES[0]!;
+    return modeOf(this.settings);
+  }
+
+  /** The rule of a mode, with the parameters chosen for these actions or the usual ones. */
+  ruleOf({ mode, word }: ModeEntry): Rule {
+    const usual = usualRule(word, this.hangar.actions(this.task));
+    return mode === 'demo' ? usual : withParameters(usual, this.settings.parameters[this.place(word)]);
+  }
+
+  private place(word: RuleWord): string {
+    return placeOf({ plant: this.plant, actions: this.actionSet.name }, word);
   }
 
   /** Why a mode cannot be flown with this task; null if it can. */
-  whyNot({ needs }: ModeEntry): string | null {
+  whyNot(entry: ModeEntry): string | null {
+    return this.whyNotRule(this.ruleOf(entry));
+  }
+
+  private whyNotRule(rule: Rule): string | null {
+    const needs = needsOf(rule);
     const trained = this.hangar.fitting('values', this.task).length > 0;
     const own = this.hangar.try(this.task)?.hasValues === true;
     if (needs === 'nothing' || trained || (needs === 'values' && own)) return null;
@@ -97,7 +126,9 @@ export class Controls {
 
   private modes(): HTMLElement {
     const box = element('div', { class: 'segmented', role: 'group', 'aria-label': 'Mode' });
-    for (const entry of MODES) {
+    const { mode } = this;
+    const entries = mode.mode === 'other' ? [...MODES.slice(0, -1), mode, ...MODES.slice(-1)] : MODES;
+    for (const entry of entries) {
       const why = this.whyNot(entry);
       const pressed = String(entry.mode === this.settings.mode);
       const attributes = {
@@ -122,10 +153,12 @@ export class Controls {
     const values = hangar
       .fitting('values', task)
       .map((model): [string, string] => [model.hash, nameOf(model, hangar.learning)]);
-    const inferences =
-      hangar.fitting('intent', task).length > 0
-        ? INFERENCES
-        : INFERENCES.filter(([inference]) => inference === 'nearest');
+    const inferences = INFERENCES.map(([inference, name]): [string, string, string | null] => [
+      inference,
+      name,
+      hangar.whyNotInfer(task, settings.values, inference),
+    ]);
+    const { inference: inferring, note } = hangar.inferring(task, settings.values, settings.inference);
     const summary = hangar.plants.find((known) => known.name === task.plant)?.summary ?? '';
     const chosen = values.some(([hash]) => hash === settings.values) ? settings.values : (values[0]?.[0] ?? '');
     return [
@@ -135,11 +168,54 @@ export class Controls {
       select('co-pilot', values.length > 0 ? values : [['', 'none']], chosen, (hash) =>
         this.changed({ values: hash === values[0]?.[0] ? '' : hash }),
       ),
-      select('confidence', inferences, settings.inference, (inference) =>
+      ...this.ruleChoices(),
+      select('inference', inferences, inferring, (inference) =>
         this.changed({ inference: inference as Settings['inference'] }),
       ),
+      ...(note === null ? [] : [element('p', { class: 'note' }, note)]),
       this.seedBox(),
     ];
+  }
+
+  /** All rules, and the parameters of the one that is flown. */
+  private ruleChoices(): HTMLElement[] {
+    const rules = usualRules(this.hangar.actions(this.task)).map((rule): [string, string, string | null] => [
+      rule.rule,
+      RULE_NAMES[rule.rule],
+      this.whyNotRule(rule) === null ? null : 'no values for it',
+    ]);
+    const { mode } = this;
+    const flown = this.ruleOf(mode);
+    const shown = mode.mode === 'demo' ? '' : flown.rule;
+    const chosen: [string, string][] = shown === '' ? [['', 'the robot, which is told the goal']] : [];
+    return [
+      select('rule', [...chosen, ...rules], shown, (word) => this.changed(modeBy(word as RuleWord))),
+      ...rangesOf(flown).map(([name, value, range]) => this.parameterBox(flown, name, value, range)),
+    ];
+  }
+
+  private parameterBox(rule: Rule, name: string, value: number, { least, most, step }: Range): HTMLElement {
+    const box = element('input', {
+      type: 'number',
+      min: String(least),
+      max: String(most),
+      step: String(step),
+      value: String(value),
+      'data-name': `parameter ${name}`,
+    });
+    box.addEventListener('change', () => {
+      const why =
+        box.value === '' ? `a number from ${least} to ${most}` : whyNotParameter(rule, name, Number(box.value));
+      if (why !== null) {
+        say(`${SIGNS[name] ?? name} of ${RULE_NAMES[rule.rule]}: expected ${why}; ${ruleWords(rule)} stays.`);
+        box.value = String(value);
+        return;
+      }
+      const { parameters } = this.settings;
+      const place = this.place(rule.rule);
+      this.changed({ parameters: { ...parameters, [place]: { ...parameters[place], [name]: Number(box.value) } } });
+    });
+    return element('label', { class: 'parameter' }, SIGNS[name] ?? name, box);
   }
 
   private seedBox(): HTMLElement {
@@ -151,8 +227,13 @@ export class Controls {
       value: this.seed === null ? '' : String(this.seed),
     });
     box.addEventListener('change', () => {
-      const seed = box.value === '' ? null : Number(box.value);
-      this.seed = seed !== null && Number.isSafeInteger(seed) && seed >= 0 ? seed : null;
+      const read = readSeed(box.value, box.validity.badInput);
+      if (typeof read === 'string') {
+        say(read);
+        box.value = this.seed === null ? '' : String(this.seed);
+        return;
+      }
+      this.seed = read.seed;
       this.changed({});
     });
     return element('label', {}, 'seed', box);
@@ -167,6 +248,15 @@ export class Controls {
   close(): void {
     this.open(false);
   }
+}
+
+/** The seed that was typed, none if nothing was, or what was expected instead. */
+export function readSeed(typed: string, isNoNumber = false): { seed: number | null } | string {
+  if (typed === '' && !isNoNumber) return { seed: null };
+  const seed = Number(typed);
+  if (!isNoNumber && Number.isSafeInteger(seed) && seed >= 0) return { seed };
+  const came = isNoNumber ? 'something else' : typed;
+  return `A seed is a whole number from 0 to ${Number.MAX_SAFE_INTEGER}, or nothing for a random one; got ${came}. It stays as it was.`;
 }
 
 function nameOf({ hash, card }: ModelEntry, learning: string | null): string {

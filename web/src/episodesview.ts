@@ -3,6 +3,7 @@
 import { listEpisodes, type EpisodeEntry } from './api';
 import type { Context, View } from './context';
 import { button, element } from './dom';
+import { flownWords, plantWords, ratesOfPlants, type Rates } from './rates';
 import { ENDING_WORDS, reasonOf, RULE_NAMES } from './words';
 
 const HEAD: [name: string, kind: string][] = [
@@ -12,7 +13,7 @@ const HEAD: [name: string, kind: string][] = [
   ['rule', ''],
   ['pilot', ''],
   ['outcome', ''],
-  ['seconds', 'number'],
+  ['flown', 'number'],
   ['speed', 'number'],
   ['seed', 'number'],
 ];
@@ -24,6 +25,9 @@ export class EpisodesView implements View {
   private readonly remark = element('p', { class: 'note', role: 'status' });
   private readonly older = button('Older', { class: 'secondary', hidden: true }, () => void this.load(this.next));
   private next: number | null = null;
+  /** How often was asked: only the answer to the last question counts. */
+  private asked = 0;
+  private rates: Rates = new Map();
   private readonly onStored = () => void this.load(null);
 
   constructor(private readonly context: Context) {
@@ -40,7 +44,7 @@ export class EpisodesView implements View {
       element(
         'span',
         { class: 'note' },
-        'Every flight can be watched again; it is flown anew in this page from its keys.',
+        'Every flight can be watched again: flown anew in this page from its keys, or, where the plant was elsewhere, shown from its recorded states.',
       ),
     );
     context.onStored.add(this.onStored);
@@ -53,15 +57,21 @@ export class EpisodesView implements View {
 
   /** Adds a part of the list, or begins it anew. */
   private async load(before: number | null): Promise<void> {
+    const mine = (this.asked += 1);
+    this.older.disabled = true;
     try {
-      const { episodes, next } = await listEpisodes(before);
+      const [{ episodes, next }, rates] = await Promise.all([listEpisodes(before), ratesOfPlants()]);
+      if (mine !== this.asked) return;
+      this.rates = rates;
       if (before === null) this.body.replaceChildren();
       this.body.append(...episodes.map((episode) => this.row(episode)));
       this.next = next;
       this.older.hidden = next === null;
       this.remark.textContent = this.body.childElementCount === 0 ? 'Nothing was flown yet.' : '';
     } catch (error) {
-      this.remark.textContent = `The episodes could not be read: ${reasonOf(error)}.`;
+      if (mine === this.asked) this.remark.textContent = `The episodes could not be read: ${reasonOf(error)}.`;
+    } finally {
+      if (mine === this.asked) this.older.disabled = false;
     }
   }
 
@@ -76,11 +86,11 @@ export class EpisodesView implements View {
       { class: open ? 'opens' : '' },
       cell('number', name),
       cell('', new Date(started_at_ms).toLocaleString()),
-      cell('', typeof actions === 'string' ? `${plant} · ${actions}` : plant),
+      cell('', typeof actions === 'string' ? `${plant} · ${actions}` : plantWords(setup.task)),
       cell('', RULE_NAMES[rule as keyof typeof RULE_NAMES] ?? rule),
       cell('', pilot),
       cell('', outcome(episode)),
-      cell('number', (ticks / 50).toFixed(1)),
+      cell('number', flownWords(ticks, plant, this.rates)),
       cell('number', `${time_scale}×`),
       cell('number', String(seed)),
     );

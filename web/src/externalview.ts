@@ -1,18 +1,19 @@
 // The view in which a person flies a plant that is elsewhere. It cannot be paused: who looks away lets go.
 
-import { Card } from './card';
+import { Card, sideFor } from './card';
 import type { Context, View } from './context';
-import type { Pose, Tick } from './core';
-import { element, isTheirs, select } from './dom';
-import { ExternalLink, type ExternalEnd, type ExternalReady } from './external';
-import { Hands } from './hands';
+import type { Pose, Rule, Tick } from './core';
+import { element, isEnter, isTheirs, select } from './dom';
+import { ExternalLink, isAttended, type ExternalEnd, type ExternalReady } from './external';
+import { Hands, type Told } from './hands';
 import { History } from './history';
 import { Hud } from './hud';
 import { keyCap, keyName } from './keys';
 import { Overlay } from './overlay';
-import { keepSettings, loadSettings, MODES, type ModeEntry, type Settings } from './settings';
+import { usualRule, type Actions } from './rules';
+import { keepSettings, loadSettings, modeOf, MODES, type ModeEntry, type Settings } from './settings';
 import { Stage } from './stage';
-import { DRAG, ENDING_HINTS, ENDINGS, sentence } from './words';
+import { DRAG, endingHint, ENDINGS, sentence } from './words';
 
 /** Robots fly alone nowhere else than where a person holds on: that mode has no place here. */
 const OFFERED = MODES.filter((entry) => entry.mode !== 'demo');
@@ -42,7 +43,11 @@ export class ExternalView implements View {
   /** Why nothing can be drawn any more. */
   private blind: string | null = null;
   /** Says that everything was let go of, until something is pressed again. */
-  private readonly again = element('p', { class: 'let-go', role: 'status', hidden: true });
+  private readonly again = element('p', { class: 'let-go', 'aria-hidden': 'true', hidden: true });
+  /** How many wishes the server has yet to answer: what it says of any but the last is over. */
+  private unanswered = 0;
+  /** What the plant is steered by, as far as is known: what a rule lets through depends on it. */
+  private actions: Actions = 'commands';
   private letGo = false;
   private frame = 0;
   private disposed = false;
@@ -88,12 +93,16 @@ export class ExternalView implements View {
   }
 
   private get mode(): ModeEntry {
-    return OFFERED.find((entry) => entry.mode === this.settings.mode) ?? OFFERED[0]!;
+    return this.settings.mode === 'demo' ? OFFERED[0]! : modeOf(this.settings);
   }
 
   /** What is flown: alone, where no values fit. */
-  private modeOf(plant: ExternalReady): ModeEntry {
-    return plant.has_values ? this.mode : OFFERED[0]!;
+  private flownMode(): ModeEntry {
+    return this.plant?.has_values === false ? OFFERED[0]! : this.mode;
+  }
+
+  private rule(): Rule {
+    return usualRule(this.mode.word, this.actions);
   }
 
   private prepare(): void {
@@ -102,7 +111,8 @@ export class ExternalView implements View {
     this.hands?.detach();
     this.hands = null;
     this.link ??= this.connect();
-    this.link.begin(Math.floor(Math.random() * 2 ** 48), this.mode.rule);
+    this.unanswered += 1;
+    this.link.begin(Math.floor(Math.random() * 2 ** 48), this.rule());
   }
 
   private connect(): ExternalLink {
@@ -111,27 +121,46 @@ export class ExternalView implements View {
       ready: (plant) => this.seeing(() => this.ready(plant)),
       tick: (tick, _late, letGo) => this.seeing(() => this.tick(tick, letGo)),
       ended: (end) => this.ended(end),
-      refused: (reason) => this.unable(reason),
+      refused: (reason) => {
+        if (this.isAnswered()) this.unable(reason);
+      },
       closed: () => {
         if (this.link !== link || this.disposed) return;
         this.link = null;
+        this.unanswered = 0;
+        // The card of a flight that has ended stays: its button connects anew.
+        if (this.state === 'ended') return;
         this.unable('the connection to the server is gone; what was flown is stored there');
       },
     });
     return link;
   }
 
+  /** Takes an answer of the server; true if it is the one to the last wish, or to none. */
+  private isAnswered(): boolean {
+    this.unanswered = Math.max(this.unanswered - 1, 0);
+    return this.unanswered === 0;
+  }
+
   private ready(plant: ExternalReady): void {
+    if (!this.isAnswered()) return;
     const { opening, has_axes: hasAxes } = plant;
     this.plant = plant;
+    const asked = JSON.stringify(this.rule());
+    this.actions = hasAxes ? 'axes' : 'commands';
+    if (plant.has_values && JSON.stringify(this.rule()) !== asked) {
+      this.prepare();
+      return;
+    }
     this.state = 'ready';
     this.older = this.newer = opening.poses;
     this.stage.show(opening.scene, opening.pilot_goal, opening.setup.seed, opening.ticks_per_second);
     this.history = new History();
     this.overlay.begin(opening.setup.rule, opening.pilot_goal, opening.goals, []);
-    this.hud.begin(opening, this.modeOf(plant).label, plant.name);
+    this.hud.begin(opening, this.flownMode().label, plant.name);
     const since = () => performance.now() - this.startedAt;
-    this.hands = new Hands(opening.controls, hasAxes ? this.stage.canvas : null, {
+    this.hands?.detach();
+    const told: Told = {
       key: (kind, control) => {
         if (kind === 'down') this.pressed();
         if (this.flies) this.link?.key(kind, control, since());
@@ -140,7 +169,8 @@ export class ExternalView implements View {
         if (stick.some((axis) => axis !== 0)) this.pressed();
         if (this.flies) this.link?.stick(stick, since());
       },
-    });
+    };
+    this.hands = new Hands(opening.controls, hasAxes ? this.stage.canvas : null, told, isAttended, this.field);
     this.showFooter();
     this.showReady(plant);
   }
@@ -182,13 +212,22 @@ export class ExternalView implements View {
 
   private nowLetGo(): void {
     this.hands?.letGo();
+    if (!this.again.hidden) return;
     this.again.textContent = LET_GO;
     this.again.hidden = false;
+    this.card.voice.textContent = LET_GO;
+  }
+
+  private hideLetGo(): void {
+    if (this.again.hidden) return;
+    this.again.hidden = true;
+    // What is said again later is read only if it was gone.
+    this.card.voice.textContent = '';
   }
 
   /** What was let go of is pressed again. */
   private pressed(): void {
-    if (!this.letGo) this.again.hidden = true;
+    if (!this.letGo) this.hideLetGo();
   }
 
   private draw(now: number): void {
@@ -223,17 +262,18 @@ export class ExternalView implements View {
   private ended(end: ExternalEnd): void {
     this.state = 'ended';
     this.hands?.detach();
-    this.again.hidden = true;
+    this.hideLetGo();
     if (this.blind === null) this.seeing(() => this.stage.end(end.ending));
     this.showFooter();
     if (end.episode !== null) this.context.onStored.forEach((told) => told(end.episode!));
     const seconds = end.ticks / (this.plant?.opening.ticks_per_second ?? 50);
     const why = this.blind ?? end.why;
-    const told = why === null ? ENDING_HINTS[end.ending] : sentence(why);
+    const told = why === null ? endingHint(end.ending, { robot: false, commands: end.commands }) : sentence(why);
     const numbers = `${seconds.toFixed(1)} s, ${end.commands} commands, ${end.corrected} of them corrected, ${end.late} ticks late.`;
     const actions = [{ label: 'Fly again', key: '⏎', primary: true, press: () => this.prepare() }];
     const watch =
       end.episode === null ? [] : [{ label: 'Watch it', press: () => this.context.go(`episodes/${end.episode}`) }];
+    this.card.stand(sideFor(this.stage.place));
     this.card.show(
       end.ending,
       ENDINGS[end.ending],
@@ -245,7 +285,7 @@ export class ExternalView implements View {
   private unable(reason: string): void {
     this.state = 'waiting';
     this.hands?.detach();
-    this.again.hidden = true;
+    this.hideLetGo();
     this.showFooter();
     this.card.show(
       'unable',
@@ -271,7 +311,7 @@ export class ExternalView implements View {
       `Ready: ${name}`,
       [
         element('p', {}, 'It is elsewhere and cannot be paused: let go of everything, or look away, and it stops.'),
-        element('p', { class: 'mode-title' }, this.modeOf(plant).title),
+        element('p', { class: 'mode-title' }, this.flownMode().title),
         ...alone.map((text) => element('p', {}, text)),
         element('div', { class: 'keys' }, ...keys),
         ...(hasAxes ? [element('p', { class: 'drag' }, DRAG)] : []),
@@ -281,19 +321,26 @@ export class ExternalView implements View {
   }
 
   private showFooter(): void {
-    const modes = OFFERED.map(({ mode, label }): [string, string] => [mode, label]);
-    const box = select('Mode', modes, this.mode.mode, (mode) => {
+    const why = this.plant?.has_values === false ? 'no co-pilot for this plant' : null;
+    const entries = this.mode.mode === 'other' ? [...OFFERED, this.mode] : OFFERED;
+    const modes = entries.map(({ mode, label }): [string, string, string | null] => [
+      mode,
+      label,
+      mode === 'hic' ? null : why,
+    ]);
+    const box = select('Mode', modes, this.flownMode().mode, (mode) => {
       this.settings.mode = mode as Settings['mode'];
       keepSettings(this.settings);
       if (this.state !== 'flying') this.prepare();
     });
     box.querySelector('select')!.disabled = this.state === 'flying';
+    box.title = this.plant?.why_alone == null ? '' : sentence(this.plant.why_alone);
     this.footer.replaceChildren(box);
   }
 
   private shortcut(event: KeyboardEvent): void {
     if (isTheirs(event) || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.code === 'Enter') {
+    if (isEnter(event)) {
       event.preventDefault();
       this.card.pressPrimary();
     } else if (event.code === 'Escape') {

@@ -8,6 +8,8 @@ import { Meter, type Measured } from './meter';
 import { PointerStick } from './pointer';
 import { eventsBefore, keyEvents, type LoggedKey } from './record';
 import type { Stage } from './stage';
+import { TouchKeys } from './touch';
+import { directionOf } from './words';
 
 /** What the flight tells whoever shows it. */
 export interface FlightEvents {
@@ -37,6 +39,8 @@ export interface FlightSummary {
 export interface FlightOptions {
   /** The keys that the person chose, for the controls of the plant. */
   bind?: (controls: Control[]) => Control[];
+  /** What a control is called for people. */
+  nameOf?: (control: string) => string;
   /** True if nothing of what the co-pilot did may be drawn. */
   plain?: boolean;
   /** When the flight began, ms since 1970, if that was before now. */
@@ -71,6 +75,7 @@ export class FlightRun {
   private readonly pad: PadListener;
   /** Only where there are axes. */
   private readonly pointer: PointerStick | null;
+  private readonly touch: TouchKeys;
   readonly meter: Meter;
   private older;
   private newer;
@@ -131,6 +136,16 @@ export class FlightRun {
           },
         )
       : null;
+    this.touch = new TouchKeys(
+      options.bind?.(controls) ?? controls,
+      () => this.state === 'flying',
+      (kind, control, at) => {
+        this.meter.dragged();
+        change(kind, control, at);
+      },
+      options.nameOf ?? directionOf,
+    );
+    stage.canvas?.parentElement?.append(this.touch.node);
     stage.show(scene, pilot_goal, setup.seed, ticks_per_second);
     this.frame = requestAnimationFrame((now) => this.drawFrame(now));
   }
@@ -183,6 +198,7 @@ export class FlightRun {
     const now = performance.now();
     this.keys.releaseAll(now);
     this.pad.releaseAll(now);
+    this.touch.releaseAll(now);
     this.pointer?.releaseAll(() => this.key('release-all', 0, now));
     this.clock.pause(now);
     clearInterval(this.timer);
@@ -202,6 +218,7 @@ export class FlightRun {
     clearInterval(this.timer);
     this.keys.detach();
     this.pointer?.detach();
+    this.touch.node.remove();
   }
 
   get isOver(): boolean {
@@ -228,7 +245,7 @@ export class FlightRun {
 
   /** Controls that are held now. */
   held(): ReadonlySet<number> {
-    return new Set([...this.keys.heldControls(), ...this.pad.heldControls()]);
+    return new Set([...this.keys.heldControls(), ...this.pad.heldControls(), ...this.touch.heldControls()]);
   }
 
   private key(kind: KeyKind, control: number, timeStamp: number): void {

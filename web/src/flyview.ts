@@ -1,19 +1,29 @@
 // The view in which a person flies.
 
-import { Card, type CardAction } from './card';
+import { Card, sideFor, type CardAction } from './card';
 import type { Context, View } from './context';
 import { Controls } from './controls';
-import { CoreStopped, type Inference, needsNetwork, type Setup } from './core';
-import { element, isTheirs, wantsCalm } from './dom';
+import { CoreStopped, needsNetwork, type Setup } from './core';
+import { element, isEnter, isTheirs, wantsCalm } from './dom';
 import { FlightRun, type FlightSummary } from './flight';
 import { History } from './history';
 import { Hud } from './hud';
-import { keyCap, keyName } from './keys';
+import { keyCap, keyName, otherKeys } from './keys';
 import { say } from './message';
 import { Overlay } from './overlay';
 import { keepSettings, loadSettings, type Settings } from './settings';
 import { Stage } from './stage';
-import { CANVAS, directionOf, DRAG, ENDING_HINTS, ENDING_WORDS, ENDINGS, reasonOf, sentence } from './words';
+import {
+  CANVAS,
+  directionOf,
+  DRAG,
+  endingHint,
+  ENDING_WORDS,
+  ENDINGS,
+  parametersOf,
+  reasonOf,
+  sentence,
+} from './words';
 
 /** How long an ending is watched before the card comes, ms. */
 const WATCH_ENDING_MS = 900;
@@ -88,20 +98,23 @@ export class FlyView implements View {
     this.context.onModels.delete(this.onModels);
   }
 
-  /** Gets the next flight ready: its world is there to be looked at, nothing moves yet. */
-  private async prepare(seed = this.controls.seed ?? Math.floor(Math.random() * 2 ** 48)): Promise<void> {
+  /** Gets the next flight ready: its world is there to be looked at, nothing moves yet. False if it is not the flight that
+   * was chosen: the card says why, and what is seen must not be started. */
+  private async prepare(seed = this.controls.seed ?? Math.floor(Math.random() * 2 ** 48)): Promise<boolean> {
     const preparation = ++this.preparation;
     this.run?.dispose();
     this.run = null;
     const why = this.controls.whyNot(this.controls.mode);
     try {
       const setup = why === null ? await this.setup(seed) : this.unassisted(seed);
-      if (preparation !== this.preparation) return;
+      if (preparation !== this.preparation) return false;
       this.makeReady(setup);
       if (why === null) this.showReady();
       else this.showUnable(why);
+      return why === null;
     } catch (error) {
       if (preparation === this.preparation) await this.failed(error);
+      return false;
     }
   }
 
@@ -159,9 +172,9 @@ export class FlyView implements View {
       context: { core, hangar },
       controls: { task, mode },
     } = this;
-    const { values, intent: model } = hangar.crew(task, settings.values, settings.inference);
-    const able = values !== null && (model !== null || !needsNetwork(settings.inference));
-    const inference: Inference = mode.mode === 'demo' ? 'known' : able ? settings.inference : 'nearest';
+    const inferring = hangar.inferring(task, settings.values, settings.inference).inference;
+    const inference = mode.mode === 'demo' ? 'known' : inferring;
+    const { values, intent: model } = hangar.crew(task, settings.values, inference);
     const intent = needsNetwork(inference) ? model : null;
     try {
       await hangar.equip(core, [values, intent]);
@@ -170,7 +183,7 @@ export class FlyView implements View {
       if (mode.mode !== 'hic' || error instanceof CoreStopped) throw error;
       return this.unassisted(seed);
     }
-    return { ...this.unassisted(seed), rule: mode.rule, inference, values, intent };
+    return { ...this.unassisted(seed), rule: this.controls.ruleOf(mode), inference, values, intent };
   }
 
   private begin(): void {
@@ -183,8 +196,7 @@ export class FlyView implements View {
   }
 
   private async again(): Promise<void> {
-    await this.prepare();
-    this.begin();
+    if (await this.prepare()) this.begin();
   }
 
   private ended(summary: FlightSummary): void {
@@ -193,18 +205,21 @@ export class FlyView implements View {
     this.showHud();
     if (this.disposed || summary.ticks === 0) return;
     session.last = summary.record;
-    const content = [element('p', {}, ENDING_HINTS[summary.ending]), numbersOf(summary)];
-    if (this.controls.mode.mode !== 'demo') {
+    const robot = this.controls.mode.mode === 'demo';
+    const hint = endingHint(summary.ending, { robot, commands: summary.commands });
+    const content = [element('p', {}, hint), numbersOf(summary, robot)];
+    if (!robot) {
       session.endings.push(summary.ending);
       content.push(this.tally());
     }
     if (summary.lateTicks > LATE_SHARE * summary.ticks) {
       content.push(element('p', {}, `${summary.lateTicks} ticks came late: is something else busy on this machine?`));
     }
+    this.card.stand(sideFor(this.stage.place));
     const watched = summary.ending === 'abandoned' || wantsCalm() ? 0 : WATCH_ENDING_MS;
     this.card.show(
       summary.ending,
-      ENDINGS[summary.ending],
+      robot && summary.ending === 'goal' ? 'At the goal' : ENDINGS[summary.ending],
       content,
       [
         { label: 'Fly again', key: '⏎', primary: true, press: () => void this.again() },
@@ -251,12 +266,28 @@ export class FlyView implements View {
       : 'Come to rest at your goal: the amber one, marked ★.';
     const content = [
       element('p', {}, text),
-      ...(robot ? [] : [element('p', { class: 'mode-title' }, mode.title), keys]),
+      ...(robot ? [] : [element('p', { class: 'mode-title' }, this.ruleTitle()), ...this.inferenceNote(), keys]),
       ...(!robot && this.run!.hasAxes ? [element('p', { class: 'drag' }, DRAG)] : []),
+      element('p', { class: 'hint' }, otherKeys(robot ? [] : opening.controls)),
     ];
     this.card.show('ready', robot ? 'Watch the robot' : 'Ready to fly', content, [
       { label: 'Start', key: '⏎', primary: true, press: () => this.begin() },
     ]);
+  }
+
+  /** What the rule does, and its parameters. */
+  private ruleTitle(): string {
+    const { mode } = this.controls;
+    const parameters = parametersOf(this.run!.opening.setup.rule);
+    return parameters === '' ? mode.title : `${mode.title.replace(/\.$/, '')}; ${parameters}`;
+  }
+
+  /** Says so where the goal is inferred otherwise than was chosen; who flies alone has no use for it. */
+  private inferenceNote(): HTMLElement[] {
+    const { controls, settings, context } = this;
+    if (controls.mode.mode === 'hic') return [];
+    const { note } = context.hangar.inferring(controls.task, settings.values, settings.inference);
+    return note === null ? [] : [element('p', { class: 'mode-title' }, note)];
   }
 
   private showPaused(): void {
@@ -326,7 +357,7 @@ export class FlyView implements View {
 
   private shortcut(event: KeyboardEvent): void {
     if (isTheirs(event) || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.code === 'Enter') {
+    if (isEnter(event)) {
       event.preventDefault();
       this.goOn();
     } else if (event.code === 'Escape') {
@@ -370,14 +401,13 @@ export class FlyView implements View {
   }
 }
 
-function numbersOf(summary: FlightSummary): HTMLElement {
+function numbersOf(summary: FlightSummary, robot: boolean): HTMLElement {
   const share = summary.commands === 0 ? '–' : `${Math.round((100 * summary.corrected) / summary.commands)} %`;
   const number = (value: string, label: string) => element('span', {}, element('b', {}, value), label);
   return element(
     'div',
     { class: 'numbers' },
     number(`${summary.seconds.toFixed(1)} s`, 'to the end'),
-    number(String(summary.commands), 'commands'),
-    number(share, 'corrected'),
+    ...(robot ? [] : [number(String(summary.commands), 'commands'), number(share, 'corrected')]),
   );
 }

@@ -123,7 +123,13 @@ const ASK_EVERY_MS = 50;
 /** The lower button and the one that starts games, by the standard mapping. */
 const CONFIRM = [0, 9];
 
-/** Says when a pad confirms something: one of two buttons went down. */
+/** Whether what a pad presses is meant for what lies behind: the page is to be seen, it has the focus, no dialog is open. */
+function isMeant(): boolean {
+  return !document.hidden && document.hasFocus() && document.querySelector('dialog[open]') === null;
+}
+
+/** Says when a pad confirms something: one of two buttons went down. A pad is read without any event, so that it would be
+ * read also of somebody who looks at something else. */
 export class PadConfirm {
   private held = true;
   private readonly timer: ReturnType<typeof setInterval>;
@@ -131,6 +137,7 @@ export class PadConfirm {
   constructor(
     private readonly confirm: () => void,
     private readonly pads: () => (PadState | null)[] = () => [...(navigator.getGamepads?.() ?? [])],
+    private readonly meant = isMeant,
   ) {
     this.timer = setInterval(() => this.poll(), ASK_EVERY_MS);
   }
@@ -141,7 +148,7 @@ export class PadConfirm {
 
   private poll(): void {
     const held = this.pads().some((pad) => CONFIRM.some((button) => pad?.buttons[button]?.pressed === true));
-    if (held && !this.held) this.confirm();
+    if (held && !this.held && this.meant()) this.confirm();
     this.held = held;
   }
 }

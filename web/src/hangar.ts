@@ -2,7 +2,17 @@
 // whether two tasks have the same actions is tried out in a loop of its own.
 
 import { listModels, modelBytes, type ModelEntry } from './api';
-import type { ActionSet, Control, Core, Inference, PlantEntry, Setup } from './core';
+import {
+  needsNetwork,
+  type ActionSet,
+  type Control,
+  type Core,
+  type Inference,
+  type PlantEntry,
+  type Setup,
+} from './core';
+import { actionsOf, inferenceName, type Actions } from './rules';
+import { reasonOf } from './words';
 
 export type Task = Setup['task'];
 
@@ -53,7 +63,7 @@ export class Hangar {
   learning: string | null = null;
   /** What the page's address asks for, which may have options that no set offers. */
   asked: Task | null = null;
-  private readonly tried = new Map<string, Tried | null>();
+  private readonly tried = new Map<string, Tried | string>();
 
   /** `trial` is a loop for trying things out; nobody else may use it. */
   constructor(private readonly trial: Core) {
@@ -91,6 +101,23 @@ export class Hangar {
 
   /** What a task is like; null if the loop cannot fly it. */
   try(task: Task): Tried | null {
+    const known = this.tryOnce(task);
+    return typeof known === 'string' ? null : known;
+  }
+
+  /** Why the loop cannot fly a task, in its own words; null if it can. */
+  whyNot(task: Task): string | null {
+    const known = this.tryOnce(task);
+    return typeof known === 'string' ? known : null;
+  }
+
+  /** What a task is steered by. */
+  actions(task: Task): Actions {
+    const tried = this.try(task);
+    return tried?.hasAxes === true ? 'axes' : actionsOf(tried?.labels ?? []);
+  }
+
+  private tryOnce(task: Task): Tried | string {
     const key = JSON.stringify(task);
     let known = this.tried.get(key);
     if (known === undefined) {
@@ -127,6 +154,25 @@ export class Hangar {
     return { values: values?.hash ?? null, intent: intent?.hash ?? null };
   }
 
+  /** Why no goal can be inferred like that with these values; null if it can. */
+  whyNotInfer(task: Task, wanted: string, inference: Inference): string | null {
+    if (inference === 'nearest') return null;
+    const { values, intent } = this.crew(task, wanted, inference);
+    if (values === null) return 'no values for these actions';
+    if (intent !== null || !needsNetwork(inference)) return null;
+    return inference === 'imagined' ? 'no model for these actions imagines goals' : 'no intent model for these actions';
+  }
+
+  /** How goals are inferred with these values where somebody chose `inference`, and what is said if that is another way:
+   * the calibrated one if it can be had, otherwise the nearest goal. */
+  inferring(task: Task, wanted: string, inference: Inference): { inference: Inference; note: string | null } {
+    const why = this.whyNotInfer(task, wanted, inference);
+    if (why === null) return { inference, note: null };
+    const instead: Inference = this.whyNotInfer(task, wanted, 'calibrated') === null ? 'calibrated' : 'nearest';
+    const [flown, chosen] = [inferenceName(instead), inferenceName(inference)];
+    return { inference: instead, note: `Your goal is inferred by “${flown}”, not by “${chosen}”: ${why}.` };
+  }
+
   /** Gives a loop the models of a setup that it does not have yet. */
   async equip(core: Core, hashes: (string | null)[]): Promise<void> {
     for (const hash of hashes) {
@@ -134,9 +180,10 @@ export class Hangar {
     }
   }
 
-  private tryAnew(task: Task): Tried | null {
+  private tryAnew(task: Task): Tried | string {
     const version = this.versionOf(task.plant);
-    if (version === null) return null;
+    if (version === null)
+      return `no plant is called ${task.plant}; there are: ${this.plants.map(({ name }) => name).join(', ')}`;
     try {
       const { controls } = this.trial.begin({
         task,
@@ -156,8 +203,8 @@ export class Hangar {
         : candidates.map((candidate) => candidate.action.label);
       const hasValues = candidates.some((candidate) => candidate.above_worst > 0);
       return { controls, labels, hasAxes, hasValues };
-    } catch {
-      return null;
+    } catch (error) {
+      return reasonOf(error);
     }
   }
 }

@@ -5,6 +5,9 @@ import { isTheirs } from './dom';
 
 export type KeyChange = (kind: KeyKind, control: number, atMs: number) => void;
 
+/** While one of these is held, macOS tells nobody that other keys are released: a control would stay held for ever. */
+const META = ['MetaLeft', 'MetaRight'];
+
 /** Listens while attached, and says which control changed and when (by `event.timeStamp`). */
 export class KeyListener {
   private readonly bindings = new Map<string, number>();
@@ -15,7 +18,12 @@ export class KeyListener {
     controls: Control[],
     private readonly change: KeyChange,
   ) {
-    controls.forEach((control, index) => control.keys.forEach((key) => this.bindings.set(key, index)));
+    // A key moves one control: the first that has it.
+    controls.forEach((control, index) =>
+      control.keys.forEach((key) => {
+        if (!this.bindings.has(key)) this.bindings.set(key, index);
+      }),
+    );
   }
 
   attach(target: Window): void {
@@ -48,6 +56,7 @@ export class KeyListener {
 
   /** A key that a button or a list has a use for is left to it while it has the focus. */
   private down(event: KeyboardEvent): void {
+    if (META.includes(event.code)) this.releaseAll(event.timeStamp);
     const control = this.bindings.get(event.code);
     if (control === undefined || event.ctrlKey || event.metaKey || event.altKey || isTheirs(event)) return;
     event.preventDefault();
@@ -59,6 +68,7 @@ export class KeyListener {
 
   /** A control is released when the last of its keys is. */
   private up(event: KeyboardEvent): void {
+    if (META.includes(event.code)) this.releaseAll(event.timeStamp);
     const control = this.held.get(event.code);
     if (control === undefined) return;
     this.held.delete(event.code);
@@ -70,6 +80,13 @@ export class KeyListener {
 export function keyCap(code: string): string {
   const arrows: Record<string, string> = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓' };
   return arrows[code] ?? code.replace(/^(Key|Digit)/, '');
+}
+
+/** Which keys do the same as those that are shown, and what the others do. */
+export function otherKeys(controls: Control[]): string {
+  const second = controls.flatMap(({ keys }) => keys.slice(1, 2));
+  const same = second.length === 0 ? '' : `Also ${second.map(keyCap).join(', ')}. `;
+  return `${same}Esc pauses, O shows what the co-pilot does.`;
 }
 
 /** The same in words, for those who hear the page. */

@@ -23,7 +23,9 @@ async function open(): Promise<void> {
   await hangar.refresh().catch(() => {
     // The link says that the server is away; as soon as it is there the models are asked for again.
   });
-  const asked = hangar.ask(taskIn(location.search));
+  const task = taskIn(location.search);
+  const wrong = task === null ? null : hangar.whyNot(task);
+  const asked = hangar.ask(wrong === null ? task : null);
   if (asked !== null) keepSettings({ ...loadSettings(), ...asked });
   const status = element('span', { class: 'dot', role: 'status', 'data-state': 'off' }, 'connecting');
   const badge = new LearningBadge();
@@ -64,6 +66,8 @@ async function open(): Promise<void> {
 
   const elsewhere = await externalPlant().catch(() => null);
   show(context, status, badge, elsewhere !== null);
+  if (wrong !== null)
+    say(`The address asks for what cannot be flown: ${sentence(wrong)} What was flown last is shown instead.`, 60);
 }
 
 /** Puts the header up, and below it the view that the address names. */

@@ -59,7 +59,7 @@ export class Meter {
     this.used('gamepad');
   }
 
-  /** A drag moved the stick: it is asked at the tick, too. */
+  /** A drag moved the stick, or a finger pressed a button on the screen. */
   dragged(): void {
     this.used('pointer');
   }

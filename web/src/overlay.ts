@@ -4,11 +4,12 @@ import type { Goal, Rule, Tick } from './core';
 import { element } from './dom';
 import { drawStrip, History, outcomeOf } from './history';
 import { drawPlane, planeOf, worthOf } from './plane';
-import { RULES, parametersOf } from './words';
+import { actionsOf, type Actions } from './rules';
+import { parametersOf, ruleSaid } from './words';
 
 /** Ticks of history that are shown: five seconds at fifty a second. */
 const HISTORY_TICKS = 250;
-/** c above which the linear rule lets the robot fly. */
+/** c above which the linear rule lets the robot fly, where commands cannot be mixed. */
 const LINEAR_AT = 0.5;
 
 /** Names of actions longer than this need more room. */
@@ -33,7 +34,8 @@ export class Overlay {
   private readonly legend = element('p', { class: 'note legend' }, OF_COMMANDS);
   private readonly rule = element('p', { class: 'note' });
   private readonly strip = element('canvas', { class: 'strip' });
-  private ruleWord: Rule['rule'] = 'hic';
+  private flown: Rule = { rule: 'hic' };
+  private actions: Actions = 'commands';
   private ownGoal: number | null = null;
 
   constructor() {
@@ -66,10 +68,10 @@ export class Overlay {
   /** Before the first tick; `labels` are the names of the actions that will be valued. */
   begin(rule: Rule, ownGoal: number | null, goals: Goal[], labels: string[]): void {
     this.ownGoal = ownGoal;
-    this.ruleWord = rule.rule;
-    const parameters = parametersOf(rule);
-    this.rule.textContent = RULES[rule.rule] + (parameters ? ` ${parameters}.` : '');
-    this.show(null, new History(), 0);
+    this.flown = rule;
+    this.actions = actionsOf(labels);
+    this.sayRule();
+    this.fill(null, new History(), 0);
     this.showGoals(null, goals);
     rows(this.values, labels.length).forEach((row, i) => setRow(row, labels[i]!, '', 0, '', ''));
     this.widenFor(labels);
@@ -77,15 +79,19 @@ export class Overlay {
 
   /** Shows a tick, and the five seconds of a history that end after `upTo` ticks. */
   show(tick: Tick | null, history: History, upTo: number): void {
-    if (this.node.hidden) return;
-    this.asked.textContent = tick?.asked?.label ?? 'nothing';
-    this.executed.textContent = tick?.executed?.label ?? 'nothing';
+    if (!this.node.hidden) this.fill(tick, history, upTo);
+  }
+
+  private fill(tick: Tick | null, history: History, upTo: number): void {
+    this.asked.textContent = tick === null ? '–' : (tick.asked?.label ?? 'nothing');
+    this.executed.textContent = tick === null ? '–' : (tick.executed?.label ?? 'nothing');
+    if (tick !== null) this.learnActions(tick);
     const outcome = outcomeOf(tick);
     this.verdict.textContent = VERDICTS[outcome];
     this.verdict.dataset['state'] = outcome;
     const c = tick?.belief.confidence ?? 0;
     setRow(rows(this.confidence, 1)[0]!, 'confidence c', '', c, c.toFixed(2), 'confidence');
-    setThreshold(this.confidence, this.ruleWord === 'lasc' ? LINEAR_AT : null);
+    setThreshold(this.confidence, this.flown.rule === 'lasc' && this.actions === 'commands' ? LINEAR_AT : null);
     if (tick !== null) {
       this.showGoals(tick, tick.goals);
       this.showValues(tick);
@@ -111,9 +117,23 @@ export class Overlay {
         inferred ? '●' : '',
         share,
         share.toFixed(2),
-        inferred ? 'chosen' : '',
+        `${inferred ? 'chosen' : ''} ${own ? 'own' : ''}`,
       );
     });
+  }
+
+  /** A recording says with its first tick what its actions are. */
+  private learnActions({ candidates }: Tick): void {
+    const axes = candidates.some(({ action }) => action.axes !== undefined);
+    const actions = axes ? 'axes' : actionsOf(candidates.map(({ action }) => action.label));
+    if (actions === this.actions || candidates.length === 0) return;
+    this.actions = actions;
+    this.sayRule();
+  }
+
+  private sayRule(): void {
+    const parameters = parametersOf(this.flown);
+    this.rule.textContent = ruleSaid(this.flown.rule, this.actions) + (parameters ? ` ${parameters}.` : '');
   }
 
   private widenFor(labels: string[]): void {
@@ -169,7 +189,7 @@ export class Overlay {
       const [name, worth] = worths[i]!;
       setRow(row, name, '', (worth ?? 0) / most, worth === null ? '–' : worth.toFixed(2), 'allowed');
     });
-    setRow(share, 'allowed', '', allowed / candidates.length, `${allowed} of ${candidates.length}`, 'confidence');
+    setRow(share, 'allowed', '', allowed / candidates.length, `${allowed} of ${candidates.length}`, 'count');
     setThreshold(this.values, threshold === null ? null : Math.min(threshold / most, 1));
   }
 }

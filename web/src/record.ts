@@ -3,7 +3,8 @@
 import type { Ending, KeyKind, Setup } from './core';
 
 /** The formats this page reads: the second has a tape behind it, which only the loop reads. */
-const FORMATS = [1, 2];
+const WITH_TAPE = 2;
+const FORMATS = [1, WITH_TAPE];
 const NOTHING = 255;
 const AXES = 254;
 const STICK = 3;
@@ -21,6 +22,14 @@ export interface FlightRecord {
   executed: Recorded[];
   /** How many key events it has. */
   events: number;
+  /** What a plant elsewhere said of itself; null if physics of ours flew it. */
+  elsewhere: Elsewhere | null;
+}
+
+/** A plant elsewhere: its own name, and why it was lost, if it was. */
+export interface Elsewhere {
+  name: string;
+  lost: string | null;
 }
 
 /** Bytes that are no record, or one of a format that this page does not read. */
@@ -51,6 +60,7 @@ export function readRecord(bytes: Uint8Array): FlightRecord {
       asked: [],
       executed: [],
       events: header.events,
+      elsewhere: null,
     };
     let at = body;
     for (let tick = 0; tick < header.ticks; tick += 1) {
@@ -60,10 +70,24 @@ export function readRecord(bytes: Uint8Array): FlightRecord {
         at = next;
       }
     }
+    for (let event = 0; event < header.events; event += 1) {
+      at += view.getUint8(at + 8) === STICK ? STICK_EVENT : EVENT;
+    }
+    if (view.getUint8(4) === WITH_TAPE) record.elsewhere = readElsewhere(bytes, view, at);
     return record;
   } catch (error) {
     throw new RecordError(`This record is damaged: ${String(error)}`);
   }
+}
+
+/** The header of a tape, which says whose states follow. */
+function readElsewhere(bytes: Uint8Array, view: DataView, at: number): Elsewhere {
+  const body = at + 4 + view.getUint32(at, true);
+  const { about, lost } = JSON.parse(new TextDecoder().decode(bytes.subarray(at + 4, body))) as {
+    about: { name: string };
+    lost?: string | null;
+  };
+  return { name: about.name, lost: lost ?? null };
 }
 
 function readAction(view: DataView, at: number): [Recorded, number] {

@@ -22,13 +22,17 @@ export interface Recording {
   tickAt(tick: number): Tick | null;
 }
 
-/** Flies a record through once; null if `goOn` said no in between. `told` hears how much of it was read, 0 to 1. */
+/**
+ * Flies a record through once; null if `goOn` says no, at the beginning or in between: the loop is then somebody else's
+ * and is not touched. `told` hears how much of it was read, 0 to 1.
+ */
 export async function readRecording(
   core: Core,
   record: Uint8Array,
   goOn: () => boolean,
   told: (part: number) => void,
 ): Promise<Recording | null> {
+  if (!goOn()) return null;
   const opening = core.watch(record);
   const length = opening.ticks ?? 0;
   const parts = opening.poses.length;

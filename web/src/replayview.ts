@@ -6,6 +6,7 @@ import { button, element } from './dom';
 import { drawStrip } from './history';
 import { Overlay } from './overlay';
 import { Player } from './player';
+import { readRecord, type Elsewhere } from './record';
 import { readRecording, ReplayRun, type Recording } from './replay';
 import { sheetOf } from './sheet';
 import { Stage } from './stage';
@@ -73,7 +74,7 @@ export class ReplayView implements View {
       await this.equip(bytes);
       const told = (part: number) => (reading.textContent = `Flying it again… ${Math.round(100 * part)} %`);
       const recording = await readRecording(this.context.core, bytes, () => !this.disposed, told);
-      if (recording !== null) this.show(recording, this.context.core.replay(bytes));
+      if (recording !== null) this.show(recording, this.context.core.replay(bytes), readRecord(bytes).elsewhere);
     } catch (error) {
       if (!this.disposed) await this.cannotFly(bytes, error);
     }
@@ -105,14 +106,14 @@ export class ReplayView implements View {
     this.footer.replaceChildren(this.back(), element('span', { class: 'spacer' }), ...this.download());
   }
 
-  private show(recording: Recording, exact: ReplayReport): void {
+  private show(recording: Recording, exact: ReplayReport, elsewhere: Elsewhere | null): void {
     const { opening, length } = recording;
     const canvas = element('canvas', { class: 'front', role: 'img', 'aria-label': 'The recorded flight' });
     const back = element('canvas', { class: 'back', 'aria-hidden': 'true' });
     this.main.replaceChildren(element('div', { class: 'stage' }, back, canvas, this.title), this.overlay.node);
     this.overlay.begin(opening.setup.rule, opening.pilot_goal, opening.goals, []);
     const ending = recording.tickAt(length)?.ending ?? 'abandoned';
-    this.showTitle(recording, ending, exact);
+    this.showTitle(recording, ending, exact, elsewhere);
     this.drawStrip = () => drawStrip(this.strip, recording.history, 0, length);
     const { player } = this;
     this.footer.replaceChildren(
@@ -134,23 +135,21 @@ export class ReplayView implements View {
     this.drawStrip();
   }
 
-  private showTitle({ opening, differing }: Recording, ending: Ending, exact: ReplayReport): void {
+  private showTitle(
+    { opening, differing }: Recording,
+    ending: Ending,
+    exact: ReplayReport,
+    elsewhere: Elsewhere | null,
+  ): void {
     const { setup } = opening;
     const { sign, word } = ENDING_WORDS[ending];
-    const parts = [
-      exact.plant_identical ? '' : 'physics',
-      exact.decisions_identical === false ? 'decisions' : '',
-      exact.requests_identical === false ? 'requests' : '',
-    ];
-    const mark =
-      exact.identical && differing === 0
-        ? '✓ flown again, bit for bit the same'
-        : `✕ differs from its record: ${parts.filter((part) => part !== '').join(', ') || 'what was carried out'}`;
+    const plant = elsewhere?.name ?? setup.task.plant;
+    const why = elsewhere?.lost == null ? '' : `: ${elsewhere.lost}`;
     this.title.replaceChildren(
       element('b', {}, this.source.title),
-      element('span', { class: 'outcome', 'data-outcome': ending }, `${sign} ${word}`),
-      element('span', {}, `${RULE_NAMES[setup.rule.rule]} · ${setup.task.plant} · ${setup.pilot} · seed ${setup.seed}`),
-      element('span', { class: 'exact', 'data-identical': String(exact.identical && differing === 0) }, mark),
+      element('span', { class: 'outcome', 'data-outcome': ending }, `${sign} ${word}${why}`),
+      element('span', {}, `${RULE_NAMES[setup.rule.rule]} · ${plant} · ${setup.pilot} · seed ${setup.seed}`),
+      exactMark(exact, differing, elsewhere),
     );
   }
 
@@ -164,4 +163,20 @@ export class ReplayView implements View {
     const name = `${this.source.title.toLowerCase().replace(/[^a-z0-9]+/g, '-')}.cohelm`;
     return [element('a', { href: this.file, download: name, class: 'secondary' }, 'Save')];
   }
+}
+
+/** Whether it came out as recorded. States of a plant elsewhere are the record's own: nothing flies that plant again. */
+export function exactMark(exact: ReplayReport, differing: number, elsewhere: Elsewhere | null): HTMLElement {
+  const same = exact.identical && differing === 0;
+  const parts = [
+    exact.plant_identical ? '' : elsewhere === null ? 'physics' : 'states',
+    exact.decisions_identical === false ? 'decisions' : '',
+    exact.requests_identical === false ? 'requests' : '',
+  ];
+  const agrees =
+    elsewhere === null
+      ? '✓ flown again, bit for bit the same'
+      : '✓ from recorded states; the decisions made again, the same';
+  const differs = `✕ differs from its record: ${parts.filter((part) => part !== '').join(', ') || 'what was carried out'}`;
+  return element('span', { class: 'exact', 'data-identical': String(same) }, same ? agrees : differs);
 }

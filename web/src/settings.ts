@@ -1,11 +1,17 @@
 // What the person chose, kept for the next visit.
 
-import type { Inference, Rule } from './core';
+import type { Inference } from './core';
+import { INFERENCES, usualRules, type RuleWord } from './rules';
+import { RULE_NAMES, RULES } from './words';
 
 export interface Settings {
   plant: string;
   actions: string;
   mode: Mode;
+  /** The rule that is flown in the mode `other`. */
+  other: RuleWord;
+  /** Parameters that were chosen, by `placeOf`; the usual ones where there are none. */
+  parameters: Record<string, Record<string, number>>;
   inference: Inference;
   /** Hash of the values to fly with; the usual ones if empty, or if they do not fit. */
   values: string;
@@ -13,53 +19,56 @@ export interface Settings {
   overlay: boolean;
 }
 
-/** The modes a person can choose; `demo` is the robot alone. */
-export type Mode = 'hic' | 'lasc' | 'misc' | 'misc-r' | 'demo';
+/** The modes a person can choose; `demo` is the robot alone, `other` a rule that has no button of its own. */
+export type Mode = 'hic' | 'lasc' | 'misc' | 'misc-r' | 'misc-h' | 'other' | 'demo';
 
-/** What a mode is called and does, and what it needs: nothing, values of any kind, or values whose usual range is known. */
+/** What a mode is called and does, and by which rule. */
 export interface ModeEntry {
   mode: Mode;
   label: string;
   title: string;
-  rule: Rule;
-  needs: 'nothing' | 'values' | 'model';
+  word: RuleWord;
 }
 
 export const MODES: ModeEntry[] = [
-  { mode: 'hic', label: 'Alone', title: 'HIC: you fly without help', rule: { rule: 'hic' }, needs: 'nothing' },
-  {
-    mode: 'lasc',
-    label: 'Linear',
-    title: 'LASC: the co-pilot flies when it is sure of your goal',
-    rule: { rule: 'lasc' },
-    needs: 'values',
-  },
-  {
-    mode: 'misc',
-    label: 'Minimal',
-    title: 'MISC: the co-pilot changes only what is bad for your goal',
-    rule: { rule: 'misc' },
-    needs: 'values',
-  },
+  { mode: 'hic', label: 'Alone', title: 'HIC: you fly without help', word: 'hic' },
+  { mode: 'lasc', label: 'Linear', title: 'LASC: the co-pilot flies when it is sure of your goal', word: 'lasc' },
+  { mode: 'misc', label: 'Minimal', title: 'MISC: the co-pilot changes only what is bad for your goal', word: 'misc' },
   {
     mode: 'misc-r',
     label: 'Minimal-R',
     title: 'MISC-R: the co-pilot changes only what would cost too much',
-    rule: { rule: 'misc-r', kappa: 0.7 },
-    needs: 'model',
+    word: 'misc-r',
   },
-  { mode: 'demo', label: 'Robot', title: 'Watch the robot fly to the goal', rule: { rule: 'robot' }, needs: 'values' },
+  {
+    mode: 'misc-h',
+    label: 'Minimal-H',
+    title: 'MISC-H: the co-pilot changes only what would cost too much for all goals that you may want',
+    word: 'misc-h',
+  },
+  { mode: 'demo', label: 'Robot', title: 'Watch the robot fly to the goal', word: 'robot' },
 ];
 
-export const INFERENCES: [Inference, string][] = [
-  ['calibrated', 'calibrated'],
-  ['softmax', 'softmax of distances'],
-  ['inverse-distance', 'inverse distance (the paper’s)'],
-  ['bayesian', 'by the values'],
-  ['calibrated-bayesian', 'calibrated × by the values'],
-  ['imagined', 'imagined: knows no goals'],
-  ['nearest', 'nearest goal'],
-];
+/** The mode that is chosen. A rule without a button is a mode of its own. */
+export function modeOf({ mode, other }: Pick<Settings, 'mode' | 'other'>): ModeEntry {
+  if (mode === 'other') {
+    const name = RULE_NAMES[other];
+    const label = name.charAt(0).toUpperCase() + name.slice(1);
+    return { mode, label, title: RULES[other], word: other };
+  }
+  return MODES.find((known) => known.mode === mode) ?? MODES[0]!;
+}
+
+/** The mode in which a person flies by that rule: its button, or the one for all others. */
+export function modeBy(word: RuleWord): Pick<Settings, 'mode'> & Partial<Settings> {
+  const button = MODES.find((known) => known.word === word && known.mode !== 'demo');
+  return button === undefined ? { mode: 'other', other: word } : { mode: button.mode };
+}
+
+/** Where the parameters that a person chose for a rule are kept: what suits one set of actions is wrong for another. */
+export function placeOf(task: { plant: string; actions: string }, word: RuleWord): string {
+  return `${task.plant}/${task.actions}/${word}`;
+}
 
 export const TIME_SCALES: [string, string][] = [
   ['1', '1×'],
@@ -74,6 +83,8 @@ const USUAL: Settings = {
   plant: '',
   actions: '',
   mode: 'misc-r',
+  other: 'hindsight',
+  parameters: {},
   inference: 'calibrated',
   values: '',
   timeScale: 1,
@@ -82,16 +93,17 @@ const USUAL: Settings = {
 
 /** What was kept, as far as it makes sense. */
 export function loadSettings(): Settings {
-  const settings = { ...USUAL };
+  const settings = { ...USUAL, parameters: {} };
   try {
     const kept = JSON.parse(localStorage.getItem(PLACE) ?? '{}') as Record<string, unknown>;
     for (const [name, usual] of Object.entries(USUAL)) {
-      if (typeof kept[name] === typeof usual) Object.assign(settings, { [name]: kept[name] });
+      if (typeof kept[name] === typeof usual && kept[name] !== null) Object.assign(settings, { [name]: kept[name] });
     }
   } catch {
     // Settings that cannot be read are the usual ones.
   }
-  if (!MODES.some((known) => known.mode === settings.mode)) settings.mode = USUAL.mode;
+  if (settings.mode !== 'other' && !MODES.some((known) => known.mode === settings.mode)) settings.mode = USUAL.mode;
+  if (!usualRules('commands').some(({ rule }) => rule === settings.other)) settings.other = USUAL.other;
   if (!INFERENCES.some(([inference]) => inference === settings.inference)) settings.inference = USUAL.inference;
   if (!TIME_SCALES.some(([scale]) => Number(scale) === settings.timeScale)) settings.timeScale = USUAL.timeScale;
   return settings;

@@ -25,14 +25,14 @@ export function sheetOf(bytes: Uint8Array, why: string): HTMLElement {
   return paper;
 }
 
-function facts({ setup, ending, asked, executed, events }: FlightRecord): HTMLElement {
+function facts({ setup, ending, asked, executed, events, elsewhere }: FlightRecord): HTMLElement {
   const same = asked.filter((action, tick) => JSON.stringify(action) === JSON.stringify(executed[tick])).length;
   const rows: [string, string][] = [
     ['plant', `${setup.task.plant}, version ${setup.plant_version}, ${JSON.stringify(setup.task.options)}`],
     ['seed', String(setup.seed)],
     ['rule', RULE_NAMES[setup.rule.rule] ?? setup.rule.rule],
     ['pilot', setup.pilot],
-    ['outcome', ENDING_WORDS[ending]?.word ?? ending],
+    ['outcome', `${ENDING_WORDS[ending]?.word ?? ending}${elsewhere?.lost ? `: ${elsewhere.lost}` : ''}`],
     [
       'ticks',
       `${asked.length}, of them ${asked.filter((action) => action !== null).length} with a request; ${same} carried out as asked`,

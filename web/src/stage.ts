@@ -135,6 +135,13 @@ export class Stage {
     return { across, upwards, tilt_rad: this.tilt_rad };
   }
 
+  /** Where what is steered is in the picture: shares of its width and height, from the left and from the top. */
+  get place(): [number, number] | null {
+    const { motion, view } = this;
+    if (motion === null || view.width === 0) return null;
+    return [view.x(motion.at[0]) / view.width, view.y(motion.at[1]) / view.height];
+  }
+
   /** Poses between two ticks: `part` 0 is the older, 1 the newer. While nothing `lives`, flames stand still too. */
   draw(older: Pose[], newer: Pose[], part: number, nowMs: number, lives: boolean, upTo = Infinity): void {
     const { shown, front } = this;

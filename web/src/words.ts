@@ -1,6 +1,7 @@
 // Words that several views share.
 
 import type { Ending, Rule } from './core';
+import type { Actions } from './rules';
 
 /** A headline after a flight. */
 export const ENDINGS: Record<Ending, string> = {
@@ -21,6 +22,24 @@ export const ENDING_HINTS: Record<Ending, string> = {
   'time-limit': 'It has to rest at the goal before the time is up.',
   abandoned: 'The flight ends here.',
 };
+
+/** What a flight needs to have its ending explained: who flew, and whether the person asked for anything. */
+export interface Flier {
+  robot: boolean;
+  commands: number;
+}
+
+/** What an ending means, and what to do better: praise and advice only for who flew. */
+export function endingHint(ending: Ending, { robot, commands }: Flier): string {
+  const idle = !robot && commands === 0;
+  if (ending === 'goal' && robot) return 'The robot rests at the goal that was marked.';
+  if (ending === 'elsewhere' && robot) return 'The robot rests at another goal than the one that was marked.';
+  if (ending === 'goal' && idle) return 'At rest at your goal, although you asked for nothing.';
+  if (ending === 'elsewhere' && idle)
+    return 'At rest at another goal than yours: you asked for nothing that tells which.';
+  if (ending === 'crash' && robot) return 'Too hard, or beside the place for it.';
+  return ENDING_HINTS[ending];
+}
 
 /** A sign and a word for it in lists; the sign says the same as the colour. */
 export const ENDING_WORDS: Record<Ending, { sign: string; word: string }> = {
@@ -48,13 +67,13 @@ export const RULE_NAMES: Record<Rule['rule'], string> = {
   'safe-nearest': 'safe-nearest',
 };
 
-/** What a rule does, in one sentence. */
+/** What a rule does with commands, in one sentence. */
 export const RULES: Record<Rule['rule'], string> = {
   hic: 'Human alone: what is asked is carried out.',
   robot: 'Robot alone: the best action, whatever is asked.',
-  lasc: 'Linear: the robot’s action if c > 0.5, otherwise the person’s.',
+  lasc: 'Linear: the robot’s command if c > 0.5, otherwise the person’s.',
   'line-graph':
-    'Line graph: the robot weighs nothing below one confidence, its most above another, between them linearly.',
+    'Line graph: the robot’s command where it weighs more than half; its weight grows between two confidences.',
   threshold: 'Threshold: the robot takes over above a confidence.',
   hindsight: 'Hindsight optimisation: the best action on average over the goals.',
   misc: 'Minimal intervention: allowed is Q′ ≥ c · Q′max; of these the most similar.',
@@ -66,8 +85,25 @@ export const RULES: Record<Rule['rule'], string> = {
   'safe-nearest': 'Safe-nearest: the most similar action after which the robot can still save the plant.',
 };
 
+/** What is otherwise where actions can be mixed (docs/arbitration.md). */
+const BLENDS: Partial<Record<Rule['rule'], Record<Exclude<Actions, 'commands'>, string>>> = {
+  lasc: {
+    levers: 'Linear: each lever goes to the position nearest to c · robot + (1 − c) · person.',
+    axes: 'Linear: on each axis c · robot + (1 − c) · person, with c the confidence.',
+  },
+  'line-graph': {
+    levers: 'Line graph: as linear, each lever by itself; the robot’s weight grows between two confidences.',
+    axes: 'Line graph: a mix on each axis, in which the robot’s weight grows between two confidences.',
+  },
+};
+
+/** What a rule does with such actions, in one sentence. */
+export function ruleSaid(rule: Rule['rule'], actions: Actions): string {
+  return (actions === 'commands' ? undefined : BLENDS[rule]?.[actions]) ?? RULES[rule];
+}
+
 /** Signs of parameters that have one. */
-const SIGNS: Record<string, string> = { alpha: 'α', kappa: 'κ', confidence: 'c' };
+export const SIGNS: Record<string, string> = { alpha: 'α', kappa: 'κ', confidence: 'c' };
 
 /** A rule's parameters, such as `κ = 0.7`; empty if it has none. */
 export function parametersOf(rule: Rule): string {

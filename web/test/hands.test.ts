@@ -25,6 +25,8 @@ beforeEach(() => {
     () => attended,
   );
   hands.attach();
+  // The pad rests first: what is pushed at the start does not count.
+  vi.advanceTimersByTime(40);
 });
 
 afterEach(() => {
@@ -42,6 +44,15 @@ function push(far: number): unknown[] {
 }
 
 describe('hands', () => {
+  it('do not take a stick that was pushed before the start', () => {
+    hands.detach();
+    pushed = 1;
+    hands.attach();
+    expect(push(1)).toEqual([]);
+    push(0);
+    expect(push(1)).toEqual([32767]);
+  });
+
   it('let go of a stick that is held when the page is left, and do not take it again when it comes back', () => {
     expect(push(0.5)).toEqual([16384]);
     attended = false;

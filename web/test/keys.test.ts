@@ -69,6 +69,25 @@ describe('the keyboard', () => {
     expect(said).toEqual(['down 1', 'release-all']);
   });
 
+  it.each(['MetaLeft', 'MetaRight'])('releases everything at %s, while which macOS tells of no release', (code) => {
+    const { said, down, up } = keyboard();
+    down('ArrowUp');
+    down(code, { metaKey: true });
+    expect(said).toEqual(['down 1', 'release-all']);
+    down('ArrowLeft');
+    up(code);
+    expect(said).toEqual(['down 1', 'release-all', 'down 0', 'release-all']);
+  });
+
+  it('gives a key to the first control that has it', () => {
+    const window = Object.assign(new EventTarget(), { document: new EventTarget() });
+    const said: string[] = [];
+    const both = CONTROLS.map(({ name }) => ({ name, keys: ['ArrowUp'] }));
+    new KeyListener(both, (kind, control) => said.push(`${kind} ${control}`)).attach(window as unknown as Window);
+    window.dispatchEvent(Object.assign(new Event('keydown'), { code: 'ArrowUp' }));
+    expect(said).toEqual(['down 0']);
+  });
+
   it('leaves other keys and shortcuts of the browser alone', () => {
     const { said, down } = keyboard();
     expect(down('KeyX').defaultPrevented).toBe(false);
@@ -176,10 +195,12 @@ describe('a gamepad', () => {
   it('confirms when its lower button or its start button goes down, not while one is held from before', () => {
     vi.useFakeTimers();
     let now = pad([0, 0], [0]);
+    let meant = true;
     const confirmed: boolean[] = [];
     const listener = new PadConfirm(
       () => confirmed.push(true),
       () => [null, now],
+      () => meant,
     );
     const show = (...pressed: number[]) => {
       now = pad([0, 0], pressed);
@@ -187,6 +208,11 @@ describe('a gamepad', () => {
       return confirmed.length;
     };
     expect([show(0), show(), show(0), show(0), show(3), show(9)]).toEqual([0, 0, 1, 1, 1, 2]);
+    // Behind a dialog, or in a window without the focus, nothing is confirmed; nor by what is still held afterwards.
+    meant = false;
+    expect([show(), show(0)]).toEqual([2, 2]);
+    meant = true;
+    expect(show(0)).toBe(2);
     listener.dispose();
     expect([show(), show(0)]).toEqual([2, 2]);
     vi.useRealTimers();

@@ -133,6 +133,30 @@ describe('a record', () => {
     ).rejects.toThrow(/version 7/);
   });
 
+  it('of a plant elsewhere says whose states it holds, and why the plant was lost', () => {
+    const { record } = fly(20);
+    expect(readRecord(record).elsewhere).toBeNull();
+    const header = new TextEncoder().encode(JSON.stringify({ about: { name: 'cart' }, states: 2, lost: 'silent' }));
+    const length = new Uint8Array(new Uint32Array([header.length]).buffer);
+    const taped = Uint8Array.from([...record, ...length, ...header, 0, 0]);
+    taped[4] = 2;
+    expect(readRecord(taped).elsewhere).toEqual({ name: 'cart', lost: 'silent' });
+  });
+
+  it('that nobody wants is not begun: the loop goes on with what it has', async () => {
+    const { record } = fly(20);
+    core.begin(SETUP);
+    core.tick();
+    const recording = await readRecording(
+      core,
+      record,
+      () => false,
+      () => {},
+    );
+    expect(recording).toBeNull();
+    expect(core.digests().ticks).toBe(1);
+  });
+
   it('is not read on when nobody wants it any more', async () => {
     let asked = 0;
     const { record } = fly(600);

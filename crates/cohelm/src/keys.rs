@@ -212,7 +212,8 @@ impl Pilot for Keyboard {
 }
 
 /// What a person can press in a space: every switch; every position of a lever but the neutral one; every single
-/// command but the one that does nothing; each axis backwards and forwards.
+/// command but the one that does nothing; each axis backwards and forwards. A key moves one control, the first that it
+/// would be usual for; a control that is left with none has the digit of its number.
 pub fn controls(space: &ActionSpace) -> Vec<Control> {
     let names: Vec<String> = match space {
         ActionSpace::Switches { switches } => switches.iter().map(|switch| switch.name.clone()).collect(),
@@ -228,11 +229,18 @@ pub fn controls(space: &ActionSpace) -> Vec<Control> {
             names.iter().flat_map(|n| [format!("{n} −"), format!("{n} +")]).collect()
         }
     };
-    names
-        .into_iter()
-        .enumerate()
-        .map(|(index, name)| Control { keys: usual_keys(&name, index), name })
-        .collect()
+    let mut taken: Vec<String> = Vec::new();
+    let bound = names.into_iter().enumerate().map(|(index, name)| {
+        let mut keys = usual_keys(&name, index);
+        keys.retain(|key| !taken.contains(key));
+        // Two names may mean the same keys; whatever control comes later would be out of reach.
+        if keys.is_empty() {
+            keys.push(digit(index));
+        }
+        taken.extend_from_slice(&keys);
+        Control { keys, name }
+    });
+    bound.collect()
 }
 
 fn lever_controls(space: &ActionSpace) -> Vec<(usize, u8)> {
@@ -250,9 +258,13 @@ fn usual_keys(name: &str, index: usize) -> Vec<String> {
         "right" | "x +" | "side +" => &["ArrowRight", "KeyD"],
         "main" | "up" | "y +" | "main +" => &["ArrowUp", "KeyW", "Space"],
         "down" | "y −" | "main −" => &["ArrowDown", "KeyS"],
-        _ => return vec![format!("Digit{}", index + 1)],
+        _ => return vec![digit(index)],
     };
     keys.iter().map(|key| key.to_string()).collect()
+}
+
+fn digit(index: usize) -> String {
+    format!("Digit{}", index + 1)
 }
 
 #[cfg(test)]
@@ -319,6 +331,16 @@ mod tests {
         assert_eq!(names, ["main", "left", "right"]);
         let requests = asked(&space, &[&[Down(0)], &[Down(1)], &[Down(2)], &[Up(0), Up(2)], &[Up(1)]]);
         assert_eq!(requests, [Some(4), Some(3), Some(5), Some(0), None]);
+    }
+
+    #[test]
+    fn a_key_moves_one_control_and_every_control_has_a_key() {
+        let names = ["x", "y", "side", "main"].map(String::from).to_vec();
+        let space = ActionSpace::Axes { names, low: vec![-1.0; 4], high: vec![1.0; 4] };
+        let first: Vec<String> =
+            controls(&space).into_iter().map(|mut control| control.keys.remove(0)).collect();
+        let digits = ["Digit5", "Digit6", "Digit7", "Digit8"];
+        assert_eq!(first, [["ArrowLeft", "ArrowRight", "ArrowDown", "ArrowUp"], digits].concat());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 import { Card, type CardAction } from '../../src/card';
 import { CoreStopped, type Control, type Ending, type Setup, type Tick } from '../../src/core';
-import { element, isTheirs, wantsCalm } from '../../src/dom';
+import { element, isEnter, isTheirs, wantsCalm } from '../../src/dom';
 import { FlightRun, type FlightSummary, type KeyLog } from '../../src/flight';
 import { PadConfirm } from '../../src/gamepad';
 import { Hud } from '../../src/hud';
@@ -201,6 +201,7 @@ export class FlightShow {
       this.deck.link,
       {
         bind,
+        nameOf: words.control,
         plain: true,
         meter: new Meter(frameMs, measured),
         ...(goesOn ? { begunAt: this.begunAt } : {}),
@@ -444,7 +445,7 @@ export class FlightShow {
   private shortcut(event: KeyboardEvent): void {
     if (isTheirs(event) || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.code === 'Escape') this.hold();
-    if (event.code === 'Enter' && this.card.pressPrimary()) event.preventDefault();
+    if (isEnter(event) && this.card.pressPrimary()) event.preventDefault();
   }
 
   private showHud(): void {

@@ -26,20 +26,38 @@ function open({ title, content, label, danger = false, ready = () => true, act }
   const form = element('form', {}, element('h3', {}, title), ...content, remark);
   form.append(element('div', { class: 'actions' }, go, cancel));
   const box = element('dialog', { class: 'ask' }, form);
-  const look = () => (go.disabled = !ready());
+  let busy = false;
+  const look = () => (go.disabled = busy || !ready());
+  // The browser's Back shows another view, to which this question does not belong. What is being done shows how it ends.
+  const leave = () => {
+    if (!busy) box.close();
+  };
   form.addEventListener('input', look);
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    void act().then(
-      (more) => {
-        if (more === undefined) return box.close();
-        const done = button('Done', { class: 'secondary' }, () => box.close());
-        box.replaceChildren(element('h3', {}, title), ...more, element('div', { class: 'actions' }, done));
-      },
-      (error: unknown) => (remark.textContent = sentence(reasonOf(error))),
-    );
+    if (busy) return;
+    busy = true;
+    look();
+    const over = () => {
+      busy = false;
+      look();
+    };
+    void act()
+      .finally(over)
+      .then(
+        (more) => {
+          if (more === undefined) return box.close();
+          const done = button('Done', { class: 'secondary' }, () => box.close());
+          box.replaceChildren(element('h3', {}, title), ...more, element('div', { class: 'actions' }, done));
+        },
+        (error: unknown) => (remark.textContent = sentence(reasonOf(error))),
+      );
   });
-  box.addEventListener('close', () => box.remove());
+  box.addEventListener('close', () => {
+    window.removeEventListener('hashchange', leave);
+    box.remove();
+  });
+  window.addEventListener('hashchange', leave);
   look();
   document.body.append(box);
   box.showModal();

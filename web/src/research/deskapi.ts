@@ -2,7 +2,7 @@
 
 import type { EpisodeEntry } from '../api';
 import { ApiError } from '../api';
-import type { Ending } from '../core';
+import type { Ending, Rule } from '../core';
 
 export type Status = 'invited' | 'under-way' | 'completed' | 'excluded' | 'withdrawn' | 'declined';
 
@@ -25,6 +25,7 @@ export interface StudyReport {
   planned: number;
   /** The design in words. */
   rows: [name: string, words: string][];
+  conditions: { name: string; rule: Rule }[];
   cells: Cell[];
   /** Where anybody can join, if the study lets them. */
   open_link: string | null;

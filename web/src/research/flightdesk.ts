@@ -9,6 +9,7 @@ import { Overlay } from '../overlay';
 import { Player } from '../player';
 import { readRecord } from '../record';
 import { readRecording, ReplayRun, type Recording, type Screen } from '../replay';
+import { actionsOf } from '../rules';
 import { sheetOf } from '../sheet';
 import { ENDING_WORDS, reasonOf, sentence } from '../words';
 import { flyBranch, type Branch } from './branching';
@@ -69,7 +70,8 @@ export class FlightDeskView implements DeskView {
     this.main.append(element('p', { class: 'reading', role: 'status' }, 'Reading the record…'));
     void this.open().catch((error: unknown) => {
       const words = element('p', {}, sentence(reasonOf(error)));
-      this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), words));
+      if (!this.gone)
+        this.showSheet(element('article', { class: 'sheet' }, element('h2', {}, 'There is no record to watch'), words));
     });
   }
 
@@ -83,6 +85,7 @@ export class FlightDeskView implements DeskView {
 
   private async open(): Promise<void> {
     const bytes = await api.episodeBytes(this.id);
+    if (this.gone) return;
     this.file = URL.createObjectURL(new Blob([bytes as Uint8Array<ArrayBuffer>]));
     const loop = await this.desk.loop();
     const { setup } = readRecord(bytes);
@@ -95,7 +98,7 @@ export class FlightDeskView implements DeskView {
         () => !this.gone,
         () => {},
       );
-      if (recording === null || this.gone) return;
+      if (recording === null) return;
       this.opened = { ...loop, bytes, recording, exact: loop.core.replay(bytes) };
       this.show(this.opened);
     } catch (error) {
@@ -202,7 +205,8 @@ export class FlightDeskView implements DeskView {
       await opened.hangar.equip(opened.second, [...Object.values(models), setup.values, setup.intent]).catch(() => {});
       if (this.gone) return;
       opened.second.watch(opened.bytes);
-      const ground = { setup, models, pilots: opened.second.pilots() };
+      const actions = actionsOf(opened.recording.opening.controls.map(({ name }) => name));
+      const ground = { setup, actions, models, pilots: opened.second.pilots() };
       this.bar = new WhatIfBar(
         ground,
         (wish) => void this.fly(wish),

@@ -13,6 +13,7 @@ import { FlightDeskView } from './flightdesk';
 import { FlightListView } from './flightlist';
 import { LoginView, troubleView } from './login';
 import { OverviewView } from './overview';
+import { Peek } from './peek';
 import { PeopleView } from './people';
 import { PersonView } from './person';
 import type { Desk, DeskView } from './place';
@@ -47,7 +48,18 @@ function deskOf(feed: Feed): Desk {
     await hangar.refresh().catch((error: unknown) => say(`The list of models could not be read: ${reasonOf(error)}`));
     return { core, second: await core.another(), hangar };
   };
-  return { feed, loop: () => (loop ??= load()), go: (place) => (location.hash = `#/${place}`) };
+  // What could not be loaded is loaded anew by whoever asks next.
+  const loadAnew = () =>
+    load().catch((error: unknown) => {
+      loop = null;
+      throw error;
+    });
+  return {
+    feed,
+    peek: new Peek(feed),
+    loop: () => (loop ??= loadAnew()),
+    go: (place) => (location.hash = `#/${place}`),
+  };
 }
 
 function show(desk: Desk): void {
@@ -60,8 +72,8 @@ function show(desk: Desk): void {
     'header',
     { class: 'desk-head' },
     element('a', { class: 'brand', href: '#/overview' }, element('img', { src: '/favicon.svg', alt: '' }), 'desk'),
-    element('nav', { 'aria-label': 'Views' }, ...tabs),
     title,
+    element('nav', { 'aria-label': 'Views' }, ...tabs),
     element('span', { class: 'status' }, state, themeSwitch(), leave),
   );
   const tell = () => {

@@ -4,6 +4,7 @@ import { button, element } from '../dom';
 import { cell, kindBadges, placeBar, refill, section, statusChip, table } from './bits';
 import type { Cell, Logged, Row, StudyReport } from './deskapi';
 import * as api from './deskapi';
+import { parametersOf } from '../words';
 import type { Desk, DeskView } from './place';
 import { isGone, isQuiet } from './roll';
 import { ago, clock, eventWords, isNews, STATUS, STATUSES } from './says';
@@ -87,7 +88,7 @@ export class OverviewView implements DeskView {
 
   private airOf({ id, in_air }: Row): HTMLElement | string {
     if (in_air === null) return '';
-    return element('a', { href: `#/watch/${id}`, class: 'watch', title: 'Watch this flight' }, '▶ under way');
+    return element('a', { href: `#/watch/${id}`, class: 'watch', title: 'Watch this flight' }, '▶ in a flight');
   }
 
   private quietTable(rows: Row[]): HTMLElement {
@@ -137,7 +138,7 @@ export class OverviewView implements DeskView {
     const newest = all.sort((a, b) => b.event.at_ms - a.event.at_ms).slice(0, RECENT_EVENTS);
     const now = Date.now();
     const line = ({ row, event }: (typeof all)[number]) => {
-      const { what, detail } = eventWords(event);
+      const { what, detail } = eventWords(event, this.desk.peek.coversThose(row));
       return element(
         'li',
         { 'data-event': event.event },
@@ -150,6 +151,13 @@ export class OverviewView implements DeskView {
     return element('ol', { class: 'events' }, ...newest.map(line));
   }
 }
+
+/** What is counted where the word alone leaves it open. */
+const MEANINGS: Record<string, string> = {
+  air: 'Flights in the air at this moment',
+  'under-way': 'Participants who have begun and not finished, here or not',
+  others: 'They are in none of the other numbers',
+};
 
 /** One number a status, and how much of the plan is done. */
 function tally(study: StudyReport, rows: Row[]): HTMLElement[] {
@@ -165,7 +173,7 @@ function tally(study: StudyReport, rows: Row[]): HTMLElement[] {
   const number = (count: number, word: string, kind: string, sign = '') =>
     element(
       'div',
-      { class: 'number-box', 'data-status': kind },
+      { class: 'number-box', 'data-status': kind, title: MEANINGS[kind] ?? '' },
       element('b', {}, String(count)),
       `${sign} ${word}`.trim(),
     );
@@ -173,10 +181,10 @@ function tally(study: StudyReport, rows: Row[]): HTMLElement[] {
   const here = rows.filter((row) => row.connected).length;
   return [
     plan,
-    number(air, 'under way', 'air', '▶'),
+    number(air, 'in a flight', 'air', '▶'),
     number(here, 'connected', 'connected', '◆'),
     ...STATUSES.map((status) => number(study.counts[status] ?? 0, STATUS[status].word, status, STATUS[status].sign)),
-    number(study.tests + study.simulated, 'tests and bots, not counted', 'others', '⚙'),
+    number(study.tests + study.simulated, 'tests and bots', 'others', '⚙'),
   ];
 }
 
@@ -236,7 +244,18 @@ function slots(planned: number, finished: number, going: number): HTMLElement {
   return element('span', { class: 'slots', title: words }, ...Array.from({ length: all }, (_, i) => slot(i)));
 }
 
-function designOf({ rows, hash, text, name }: StudyReport): HTMLElement {
+/** The rows of the design, those of the conditions with the parameters of their rules. */
+export function designRows({ rows, conditions }: Pick<StudyReport, 'rows' | 'conditions'>): [string, string][] {
+  const rules = new Map(conditions.map(({ name, rule }) => [`Condition ${name}`, rule]));
+  return rows.map(([name, words]) => {
+    const rule = rules.get(name);
+    const parameters = rule === undefined ? '' : parametersOf(rule);
+    return [name, parameters === '' ? words : words.replace(`rule ${rule!.rule}`, (said) => `${said} (${parameters})`)];
+  });
+}
+
+function designOf(study: StudyReport): HTMLElement {
+  const { hash, text, name } = study;
   const file = element('details', {}, element('summary', {}, `${name}.toml`), element('pre', {}, text));
   const copy = button(
     'Copy',
@@ -249,7 +268,7 @@ function designOf({ rows, hash, text, name }: StudyReport): HTMLElement {
     element(
       'dl',
       {},
-      ...rows.flatMap(([name, words]) => [element('dt', {}, name), element('dd', {}, words)]),
+      ...designRows(study).flatMap(([name, words]) => [element('dt', {}, name), element('dd', {}, words)]),
       element('dt', {}, 'hash'),
       element('dd', { class: 'hash' }, element('code', { title: hash }, `${hash.slice(0, 16)}…`), copy),
     ),

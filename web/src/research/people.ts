@@ -4,6 +4,7 @@ import { button, element, select } from '../dom';
 import * as actions from './actions';
 import { cell, endingSigns, kindBadges, lateSparkline, placeBar, refill, standing, table } from './bits';
 import type { Row } from './deskapi';
+import { covered } from './peek';
 import type { Desk, DeskView } from './place';
 import { filtered, type Filter } from './roll';
 import { ago, STATUS, STATUSES } from './says';
@@ -34,7 +35,11 @@ export class PeopleView implements DeskView {
 
   constructor(private readonly desk: Desk) {
     this.main.append(this.toolbar(), this.body);
-    this.deaf = desk.feed.listen(() => this.show());
+    const [deafToNews, deafToPeek] = [desk.feed.listen(() => this.show()), desk.peek.listen(() => this.show())];
+    this.deaf = () => {
+      deafToNews();
+      deafToPeek();
+    };
     this.show();
   }
 
@@ -51,6 +56,7 @@ export class PeopleView implements DeskView {
       ...STATUSES.map((status): [string, string] => [status, STATUS[status].word]),
     ];
     const status = select('', choices, 'all', (chosen) => this.change({ status: chosen as Filter['status'] }));
+    status.querySelector('select')!.setAttribute('aria-label', 'Status');
     const others = element('input', { type: 'checkbox', checked: true });
     others.addEventListener('change', () => this.change({ others: others.checked }));
     return element(
@@ -60,6 +66,7 @@ export class PeopleView implements DeskView {
       status,
       element('label', {}, others, 'tests and bots'),
       this.count,
+      this.desk.peek.node(),
       element('span', { class: 'spacer' }),
       button('New participant…', { class: 'primary' }, () => actions.create(this.desk.feed)),
     );
@@ -87,7 +94,11 @@ export class PeopleView implements DeskView {
   }
 
   private lineOf(row: Row): HTMLElement {
-    const of = JSON.stringify([row, row.last_seen_ms === null ? '' : ago(row.last_seen_ms, Date.now())]);
+    const of = JSON.stringify([
+      row,
+      this.desk.peek.covers,
+      row.last_seen_ms === null ? '' : ago(row.last_seen_ms, Date.now()),
+    ]);
     const known = this.lines.get(row.id);
     if (known?.of === of) return known.line;
     const line = this.line(row);
@@ -106,7 +117,7 @@ export class PeopleView implements DeskView {
       cell('', conditionNow(row)),
       cell('', connection(row)),
       cell('', lateSparkline(row.late_ticks)),
-      cell('', endingSigns(row.endings)),
+      cell('', this.desk.peek.coversThose(row) ? covered() : endingSigns(row.endings)),
       cell('number', row.interruptions === 0 ? '–' : String(row.interruptions)),
       cell('number', row.minutes === null ? '–' : String(Math.round(row.minutes))),
       cell('number', row.notes === 0 ? '–' : String(row.notes)),
@@ -129,7 +140,7 @@ function conditionNow({ order, condition, status }: Row): HTMLElement {
 }
 
 export function connection({ id, connected, in_air, last_seen_ms }: Row): HTMLElement {
-  if (in_air !== null) return element('a', { href: `#/watch/${id}`, class: 'watch' }, '▶ under way');
+  if (in_air !== null) return element('a', { href: `#/watch/${id}`, class: 'watch' }, '▶ in a flight');
   if (connected) return element('span', { class: 'here' }, '◆ here');
   return element('span', { class: 'away' }, last_seen_ms === null ? 'never here' : ago(last_seen_ms, Date.now()));
 }

@@ -2,11 +2,13 @@
 
 import { element } from '../dom';
 import { say } from '../message';
+import { flownWords, ratesOfPlants, type Rates } from '../rates';
 import { ENDING_WORDS, reasonOf } from '../words';
 import { cell, kindBadges, lateSparkline, placeBar, saveLink, section, standing, table } from './bits';
 import type { DeskEpisode, Logged, Row } from './deskapi';
 import * as api from './deskapi';
 import { connection, menu } from './people';
+import { covered, isMeasured } from './peek';
 import type { Desk, DeskView } from './place';
 import { ago, clock, eventWords, stepWords } from './says';
 
@@ -30,11 +32,18 @@ export class PersonView implements DeskView {
   ) {
     this.main.append(
       this.head,
-      section('Flights', { class: 'panel-box flights' }, this.flights),
+      section('Flights', { class: 'panel-box flights' }, desk.peek.node(), this.flights),
       section('Answers', { class: 'panel-box answers' }, this.answers),
       section('Log', { class: 'panel-box log' }, this.log),
     );
-    this.deaf = desk.feed.listen((changed) => this.show(changed.has(id)));
+    const [deafToNews, deafToPeek] = [
+      desk.feed.listen((changed) => this.show(changed.has(id))),
+      desk.peek.listen(() => this.show(true)),
+    ];
+    this.deaf = () => {
+      deafToNews();
+      deafToPeek();
+    };
     this.show(true);
   }
 
@@ -55,13 +64,15 @@ export class PersonView implements DeskView {
 
   private async read(): Promise<void> {
     try {
-      const [events, { episodes }] = await Promise.all([
+      const [events, { episodes }, rates] = await Promise.all([
         api.log(this.id),
         api.episodes({ participant: this.id, limit: MOST_EPISODES }),
+        ratesOfPlants(),
       ]);
-      this.flights.replaceChildren(flightsTable(episodes, events));
+      const isCovered = this.desk.peek.coversThose(this.desk.feed.row(this.id));
+      this.flights.replaceChildren(flightsTable({ episodes, events, rates, isCovered }));
       this.answers.replaceChildren(answersTable(events));
-      this.log.replaceChildren(logList(events));
+      this.log.replaceChildren(logList(events, isCovered));
     } catch (error) {
       say(`The log could not be read: ${reasonOf(error)}`);
     }
@@ -90,7 +101,14 @@ export class PersonView implements DeskView {
   }
 }
 
-function flightsTable(episodes: DeskEpisode[], events: Logged[]): HTMLElement {
+interface Flights {
+  episodes: DeskEpisode[];
+  events: Logged[];
+  rates: Rates;
+  isCovered: boolean;
+}
+
+function flightsTable({ episodes, events, rates, isCovered }: Flights): HTMLElement {
   const interrupted = (step: string | null) =>
     events.filter(({ event, step: at }) => event === 'flight-interrupted' && at === step).length;
   const noted = (step: string | null) =>
@@ -104,8 +122,8 @@ function flightsTable(episodes: DeskEpisode[], events: Logged[]): HTMLElement {
       {},
       cell('', open ? element('a', { href: `#/episodes/${episode.id}` }, `▶ ${episode.id}`) : String(episode.id)),
       cell('', episode.step === null ? '–' : stepWords(episode.step)),
-      cell('', outcome(episode)),
-      cell('number', `${(episode.ticks / 50).toFixed(1)} s`),
+      cell('', outcome(episode, isCovered && isMeasured(episode.step))),
+      cell('number', flownWords(episode.ticks, episode.setup.task.plant, rates)),
       cell('number', lateShare(noted(episode.step), episode.ticks)),
       cell('number', breaks === 0 ? '–' : String(breaks)),
       cell('number', clock(episode.started_at_ms, now)),
@@ -133,9 +151,11 @@ function lateShare(noted: Logged | undefined, ticks: number): string {
   return `${((100 * late) / ticks).toFixed(1)} %`;
 }
 
-export function outcome(episode: DeskEpisode): HTMLElement {
+/** How a flight ended, unless that is kept back. */
+export function outcome(episode: DeskEpisode, isCovered: boolean): HTMLElement {
   if (episode.state === 'in-the-air') return element('span', {}, '… not finished');
   if (episode.state === 'refused') return element('span', { title: episode.reason }, '⚠ refused');
+  if (isCovered) return covered();
   const { sign, word } = ENDING_WORDS[episode.ending];
   return element('span', { class: 'outcome', 'data-outcome': episode.ending }, `${sign} ${word}`);
 }
@@ -179,11 +199,11 @@ function answersOf(data: Record<string, unknown>): Record<string, unknown> {
   return typeof inner === 'object' && inner !== null ? (inner as Record<string, unknown>) : data;
 }
 
-function logList(events: Logged[]): HTMLElement {
+function logList(events: Logged[], isCovered: boolean): HTMLElement {
   if (events.length === 0) return element('p', { class: 'empty' }, 'Nothing was logged: invited, not yet here.');
   const now = Date.now();
   const line = (event: Logged) => {
-    const { what, detail } = eventWords(event);
+    const { what, detail } = eventWords(event, isCovered);
     const raw = element('details', {}, element('summary', { title: 'As it is stored' }, '{ }'));
     raw.addEventListener('toggle', () => {
       if (raw.open && raw.childElementCount === 1) raw.append(element('pre', {}, JSON.stringify(event, null, 2)));

@@ -3,6 +3,7 @@
 import type { Ending } from '../core';
 import { ENDING_WORDS } from '../words';
 import type { Logged, Status } from './deskapi';
+import { isMeasured } from './peek';
 
 /** A sign and a word for each status; the sign says the same as the colour. */
 export const STATUS: Record<Status, { sign: string; word: string }> = {
@@ -43,8 +44,8 @@ export function clock(at_ms: number, now_ms: number): string {
 
 const text = (value: unknown): string => (typeof value === 'string' || typeof value === 'number' ? String(value) : '');
 
-/** What an event says: a headline, and what one may want to know besides. */
-export function eventWords({ event, ...fields }: Logged): { what: string; detail: string } {
+/** What an event says: a headline, and what one may want to know besides; how a measured flight ended may be kept back. */
+export function eventWords({ event, ...fields }: Logged, isCovered = false): { what: string; detail: string } {
   const field = (name: string) => text(fields[name]);
   const step = stepWords(field('step'));
   const seconds = (ticks: unknown) => (typeof ticks === 'number' ? `tick ${ticks}` : '');
@@ -64,6 +65,7 @@ export function eventWords({ event, ...fields }: Logged): { what: string; detail
       `${seconds(fields['tick'])} · from the ${field('source')}, away ${Math.round(Number(fields['away_ms'] ?? 0) / 1000)} s`,
     ],
     'flight-ended': () => {
+      if (isCovered && isMeasured(fields['step'])) return [`ended: ${step}`, ''];
       const ending = ENDING_WORDS[fields['ending'] as Ending];
       return [`ended: ${step}`, `${ending === undefined ? field('ending') : `${ending.sign} ${ending.word}`}`];
     },

@@ -2,38 +2,12 @@
 
 import { type Hands, type Inference, needsNetwork, type Rule, type Setup, type Wish } from '../core';
 import { button, element, select } from '../dom';
-import { RULE_NAMES, parametersOf } from '../words';
+import { type Actions, inferenceName, INFERENCES, ruleWords, usualRules } from '../rules';
 
-/** Rules as they are offered; the record's own comes first. */
-const RULES: Rule[] = [
-  { rule: 'hic' },
-  { rule: 'lasc' },
-  { rule: 'misc' },
-  { rule: 'misc-r', kappa: 0.7 },
-  { rule: 'tolerance', alpha: 0.6 },
-  { rule: 'line-graph', start: 0.2, full: 0.8, most: 1 },
-  { rule: 'threshold', confidence: 0.6 },
-  { rule: 'hindsight', likeness: 0 },
-  { rule: 'misc-h', kappa: 1.25, release: 0.5 },
-  { rule: 'ida' },
-  { rule: 'safe-nearest', hold: 10, horizon: 80 },
-  { rule: 'robot' },
-];
-const INFERENCES: [Inference, string][] = [
-  ['calibrated', 'calibrated'],
-  ['softmax', 'softmax'],
-  ['inverse-distance', 'inverse distance'],
-  ['bayesian', 'by the values'],
-  ['calibrated-bayesian', 'calibrated × by the values'],
-  ['imagined', 'imagined: knows no goals'],
-  ['nearest', 'nearest goal'],
-  ['known', 'told the goal'],
-];
+/** Who looks back can tell the co-pilot the goal. */
+const OFFERED: [Inference, string][] = [...INFERENCES, ['known', inferenceName('known')]];
 
-export function ruleWords(rule: Rule): string {
-  const parameters = parametersOf(rule);
-  return RULE_NAMES[rule.rule] + (parameters ? ` ${parameters}` : '');
-}
+export { ruleWords };
 
 export function handsWords(hands: Hands): string {
   switch (hands.pilot) {
@@ -52,6 +26,8 @@ export function handsWords(hands: Hands): string {
 export interface Ground {
   /** The record's setup. */
   setup: Setup;
+  /** What the plant is steered by: usual parameters depend on it. */
+  actions: Actions;
   /** The models of the record, or the usual ones of its task if it has none. */
   models: { values: string | null; intent: string | null; imagined: string | null };
   /** Who can take over. */
@@ -87,9 +63,9 @@ export class WhatIfBar {
     const { setup, models, pilots } = ground;
     this.inference = setup.inference;
     const own = JSON.stringify(setup.rule);
-    const rules = [setup.rule, ...RULES.filter((rule) => JSON.stringify(rule) !== own)];
+    const rules = [setup.rule, ...usualRules(ground.actions).filter((rule) => JSON.stringify(rule) !== own)];
     this.rule = rules.find(({ rule }) => rule !== setup.rule.rule && ['lasc', 'misc'].includes(rule)) ?? rules[1]!;
-    const inferences = INFERENCES.filter(
+    const inferences = OFFERED.filter(
       ([inference]) =>
         inference === setup.inference || !needsNetwork(inference) || networkFor(models, inference) !== null,
     );

@@ -30,7 +30,7 @@ class Page {
   constructor(root: HTMLElement) {
     this.frame = new Frame(root, this.words, {
       withdraw: () => this.place.withdraw(),
-      choose: (language) => void this.choose(language),
+      choose: (language) => void this.choose(language).catch((error: unknown) => this.failed(error, 'stuck')),
       opened: () => this.show?.hold(),
     });
     this.place = new Place({
@@ -57,7 +57,9 @@ class Page {
     });
     const { deck, place, words, frame } = this;
     const keys = new KeyChoice(place.session.participant.code);
-    const study: Study = { place, words, deck, keys, refreshHz, inTheAir: (flying) => frame.fly(flying) };
+    const inTheAir = (flying: boolean) => frame.fly(flying);
+    const failed = (error: unknown) => this.failed(error, 'stuck');
+    const study: Study = { place, words, deck, keys, refreshHz, inTheAir, failed };
     const display = element('div', { class: 'display' });
     frame.main.replaceChildren(display);
     await runTimeline(initJsPsych({ display_element: display }), study, (show) => (this.show = show));
@@ -102,10 +104,11 @@ class Page {
     location.reload();
   }
 
-  failed(error: unknown): void {
+  /** Says that the page could not be opened, or cannot go on, and offers to open it anew. */
+  failed(error: unknown, kind: 'unable' | 'stuck' = 'unable'): void {
     if (error instanceof SessionClosed) return;
     console.error(error);
-    showState(this.frame.main, 'unable', this.words.states.unable, () => location.reload());
+    showState(this.frame.main, kind, this.words.states[kind], () => location.reload());
   }
 }
 

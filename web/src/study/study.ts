@@ -16,6 +16,8 @@ export interface Study {
   refreshHz: number | null;
   /** The flight came into the air, or left it. */
   inTheAir(flying: boolean): void;
+  /** A screen cannot go on; the person is told, and offered to open the page anew. */
+  failed(error: unknown): void;
 }
 
 /** Shows a step and is over when the server has what it gave. */

@@ -18,6 +18,7 @@ import { form } from './screens/form';
 import { instructions } from './screens/instructions';
 import { block, debrief, pause, thanks } from './screens/plain';
 import { quiz } from './screens/quiz';
+import { SessionClosed } from './place';
 import type { FlightStep, Step } from './steps';
 import type { Screen, Study } from './study';
 
@@ -55,9 +56,13 @@ function screen<Kind extends Step['kind']>(
   also: (step: Step) => boolean = () => true,
 ) {
   const current = () => study.place.session.steps[0];
-  const show_step = (root: HTMLElement) => show(root, current() as Extract<Step, { kind: Kind }>, study);
+  const show_step = async (root: HTMLElement) => show(root, current() as Extract<Step, { kind: Kind }>, study);
+  // A session that is closed is spoken of by the page; the trial is never over.
+  const on_failure = (error: unknown) => {
+    if (!(error instanceof SessionClosed)) study.failed(error);
+  };
   return {
-    timeline: [{ type: ScreenPlugin, show_step, data: () => ({ step: current()?.id ?? null }) }],
+    timeline: [{ type: ScreenPlugin, show_step, on_failure, data: () => ({ step: current()?.id ?? null }) }],
     conditional_function: () => current()?.kind === kind && also(current()!),
   };
 }
@@ -68,6 +73,8 @@ const info = {
   parameters: {
     /** Shows the step in an element and is over when the server has its answer. */
     show_step: { type: ParameterType.FUNCTION, default: undefined },
+    /** Is told why a step could not be shown to its end. */
+    on_failure: { type: ParameterType.FUNCTION, default: undefined },
   },
   data: {
     /** Id of the step. */
@@ -81,13 +88,10 @@ class ScreenPlugin implements JsPsychPlugin<typeof info> {
 
   constructor(private readonly jsPsych: JsPsych) {}
 
-  trial(display: HTMLElement, trial: { show_step?: unknown }): void {
+  trial(display: HTMLElement, trial: { show_step?: unknown; on_failure?: unknown }): void {
     const show = trial.show_step as (root: HTMLElement) => Promise<void>;
-    show(display).then(
-      () => this.jsPsych.finishTrial({}),
-      // A session that is closed is spoken of by the page; this trial is never over.
-      (error: unknown) => console.warn(error),
-    );
+    const failed = trial.on_failure as (error: unknown) => void;
+    show(display).then(() => this.jsPsych.finishTrial({}), failed);
   }
 }
 

@@ -13,7 +13,7 @@ export class Participant {
   /** Screens in the order seen. */
   seen = [];
 
-  /** `see(name)` is told each screen when it has come; `inTheAir(number)` each flight a moment after it began. */
+  /** `see(name)` is told each screen when it has come; `inTheAir(number)` each flight as it begins. */
   constructor(page, { see = async () => {}, inTheAir = async () => {} } = {}) {
     this.page = page;
     this.see = see;
@@ -112,7 +112,6 @@ export class Participant {
     await page.waitForSelector('.countdown', { state: 'visible' });
     await page.waitForSelector('.countdown', { state: 'hidden', timeout: PATIENCE_MS });
     this.flights += 1;
-    await page.waitForTimeout(500);
     await this.inTheAir(this.flights);
     const isOver = async () => (await page.$(ASKS)) !== null;
     while (!(await isOver())) {

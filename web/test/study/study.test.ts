@@ -100,6 +100,7 @@ const STEPS = (): Step[] => [
 let server: FakeServer;
 let root: HTMLElement;
 let inTheAir: FlightShow | null = null;
+const failed = vi.fn();
 
 /** Opens the page at a step of the study. */
 async function open(from = 'consent', steps = STEPS()): Promise<void> {
@@ -123,7 +124,7 @@ async function enter(): Promise<void> {
   root = document.createElement('div');
   document.body.replaceChildren(root);
   vi.useFakeTimers();
-  const study = { place, words: en, deck, keys: new KeyChoice('P-007'), refreshHz: 60, inTheAir: () => {} };
+  const study = { place, words: en, deck, keys: new KeyChoice('P-007'), refreshHz: 60, inTheAir: () => {}, failed };
   void runTimeline(initJsPsych({ display_element: root }), study, (show) => (inTheAir = show));
   await passes(50);
 }
@@ -156,7 +157,10 @@ async function comeDown(): Promise<void> {
   await passes(12_000);
 }
 
-beforeEach(() => localStorage.clear());
+beforeEach(() => {
+  localStorage.clear();
+  failed.mockClear();
+});
 afterEach(() => {
   inTheAir?.dispose();
   inTheAir = null;
@@ -234,6 +238,34 @@ describe('the quiz', () => {
     await submit();
     expect(lastData()).toEqual({ goal: 'amber' });
     expect(screenNow()).toBe('block');
+  });
+});
+
+describe('a screen that cannot go on', () => {
+  it('tells the page, so that nobody waits for ever', async () => {
+    await open('demographics');
+    find<HTMLInputElement>('input').value = '31';
+    server.next.push({ status: 404, body: { error: 'there is no such step' } });
+    await submit();
+    expect(failed).toHaveBeenCalledOnce();
+    expect(String(failed.mock.calls[0])).toContain('404 without a session');
+  });
+
+  it('tells it too if the picture of a task cannot be drawn', async () => {
+    const steps = STEPS();
+    (steps.find(({ id }) => id === 'block-1/practice-1') as FlightStep).setup.task.plant = 'gone';
+    const pages = [{ title: 'Your task', text: 'Land.', picture: 'task' as const }];
+    steps.unshift({ id: 'instructions', kind: 'instructions', pages });
+    await open('instructions', steps);
+    expect(String(failed.mock.calls[0])).toContain('gone');
+  });
+
+  it('says nothing of a session that is closed, of which the page speaks already', async () => {
+    await open('demographics');
+    find<HTMLInputElement>('input').value = '31';
+    server.tab = 'another';
+    await submit();
+    expect(failed).not.toHaveBeenCalled();
   });
 });
 

@@ -193,6 +193,11 @@ export const de: Words = {
       text: 'Sie braucht einen Browser von 2022 oder später mit WebAssembly. Versuchen Sie es noch einmal, oder nehmen Sie einen anderen Browser mit demselben Link.',
       again: 'Noch einmal versuchen',
     },
+    stuck: {
+      title: 'Die Seite kommt nicht weiter',
+      text: 'Was Sie bisher getan haben, bleibt erhalten. Laden Sie die Seite neu; wenn sie hier noch einmal stehen bleibt, sagen Sie es bitte der Person, die Sie eingeladen hat.',
+      again: 'Seite neu laden',
+    },
   },
 
   flight: {

@@ -189,6 +189,11 @@ export const en = {
       text: 'It needs a browser of 2022 or later with WebAssembly. Try again, or use another browser with the same link.',
       again: 'Try again',
     },
+    stuck: {
+      title: 'The page cannot go on',
+      text: 'What you have done so far is kept. Load the page again; if it stops here once more, please tell whoever invited you.',
+      again: 'Load the page again',
+    },
   },
 
   flight: ENGLISH,
