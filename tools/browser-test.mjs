@@ -86,6 +86,11 @@ const moment = () =>
     ),
     here_s: performance.now() / 1000,
   }));
+/** Waits until the flight's clock has moved on. */
+async function aTick() {
+  const since = await seconds();
+  await assertSoon(async () => (await seconds()) > since, "the clock moves");
+}
 const held = (count) =>
   assertSoon(
     async () => (await page.locator(".hud kbd.held").count()) === count,
@@ -355,26 +360,21 @@ try {
       await page.selectOption("select[data-name=plant]", "point");
       await card("ready").waitFor();
       await page.locator(".card .drag").waitFor();
+      // Pushed that far it is out of bounds in two seconds.
+      await speed("0.25");
       await page.keyboard.press("Enter");
-      const stick = page.locator(".stage .stick");
-      assert.equal(await stick.isVisible(), false);
+      const stick = page.locator(".stage .stick:not([hidden])");
+      assert.equal(await stick.count(), 0);
       await page.mouse.move(500, 400);
       await page.mouse.down();
       await page.mouse.move(560, 330, { steps: 4 });
-      await page.waitForTimeout(200);
+      await stick.waitFor({ state: "attached" });
+      await aTick();
       await shot("9-drag");
-      assert.equal(
-        await page.locator(".stage .stick:not([hidden])").count(),
-        1,
-      );
       await page.mouse.up();
-      assert.equal(
-        await page.locator(".stage .stick:not([hidden])").count(),
-        0,
-      );
+      await stick.waitFor({ state: "detached" });
       // What is let go of counts at the next tick; before it the pause would let go of everything.
-      const released = await seconds();
-      await assertSoon(async () => (await seconds()) > released, "a tick");
+      await aTick();
       await page.keyboard.press("Escape");
       await page.click(".card .secondary");
       await card("abandoned").waitFor();
@@ -383,6 +383,7 @@ try {
       assert.ok(log.every((event) => event.kind === "stick"));
       assert.ok(log.some(({ stick: [x, y] }) => x > 15_000 && y > 15_000));
       assert.deepEqual(log.at(-1).stick, [0, 0, 0, 0]);
+      await speed("1");
       await page.click("footer .choices > button");
       await page.selectOption("select[data-name=plant]", "flag-lander");
       await card("ready").waitFor();
@@ -408,6 +409,47 @@ try {
       },
     );
   }
+
+  await step(
+    "on a phone nothing is cut off, and a finger on a button steers",
+    async () => {
+      const phone = await browser.newContext({
+        viewport: { width: 390, height: 844 },
+        hasTouch: true,
+        isMobile: true,
+      });
+      const small = await phone.newPage();
+      small.on("pageerror", (error) => complaints.push(error.message));
+      await small.goto(server.url);
+      await small.locator('.card[data-kind="ready"]:not([hidden])').waitFor();
+      assert.ok(
+        await small.evaluate(
+          () => document.documentElement.scrollWidth <= innerWidth,
+        ),
+      );
+      await small.tap(".card .primary");
+      const { x, y, width, height } = await small
+        .locator(".touch-keys button")
+        .first()
+        .boundingBox();
+      assert.ok(Math.min(width, height) >= 44, `${width} × ${height} pixels`);
+      const finger = await phone.newCDPSession(small);
+      const touch = (type, touchPoints) =>
+        finger.send("Input.dispatchTouchEvent", { type, touchPoints });
+      const held = (count) =>
+        small.waitForFunction(
+          (wanted) =>
+            document.querySelectorAll(".hud kbd.held").length === wanted,
+          count,
+        );
+      await touch("touchStart", [{ x: x + width / 2, y: y + height / 2 }]);
+      await held(1);
+      await small.screenshot({ path: join(folder, "11-phone.png") });
+      await touch("touchEnd", []);
+      await held(0);
+      await phone.close();
+    },
+  );
 
   await step("nothing was complained of", () =>
     assert.deepEqual(complaints, []),

@@ -144,7 +144,7 @@ export class ReplayView implements View {
     const { setup } = opening;
     const { sign, word } = ENDING_WORDS[ending];
     const plant = elsewhere?.name ?? setup.task.plant;
-    const why = elsewhere?.lost == null ? '' : `: ${elsewhere.lost}`;
+    const why = elsewhere?.lost == null ? '' : `: the plant was lost, ${elsewhere.lost}`;
     this.title.replaceChildren(
       element('b', {}, this.source.title),
       element('span', { class: 'outcome', 'data-outcome': ending }, `${sign} ${word}${why}`),

@@ -32,7 +32,10 @@ function facts({ setup, ending, asked, executed, events, elsewhere }: FlightReco
     ['seed', String(setup.seed)],
     ['rule', RULE_NAMES[setup.rule.rule] ?? setup.rule.rule],
     ['pilot', setup.pilot],
-    ['outcome', `${ENDING_WORDS[ending]?.word ?? ending}${elsewhere?.lost ? `: ${elsewhere.lost}` : ''}`],
+    [
+      'outcome',
+      `${ENDING_WORDS[ending]?.word ?? ending}${elsewhere?.lost ? `: the plant was lost, ${elsewhere.lost}` : ''}`,
+    ],
     [
       'ticks',
       `${asked.length}, of them ${asked.filter((action) => action !== null).length} with a request; ${same} carried out as asked`,

@@ -135,4 +135,14 @@ describe('the fly page', () => {
       }, 3000);
     }
   });
+
+  it('knows why an address asks for what cannot be flown', async () => {
+    await open([]);
+    const { hangar } = context;
+    expect(hangar.whyNot({ plant: 'zeppelin', options: {} })).toContain(
+      'no plant is called zeppelin; there are: flag-',
+    );
+    expect(hangar.whyNot({ plant: 'drone', options: { wind: 99 } })).toContain('wind');
+    expect(hangar.whyNot({ plant: 'drone', options: { actions: 'continuous' } })).toBeNull();
+  });
 });

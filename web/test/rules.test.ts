@@ -1,9 +1,10 @@
 // @vitest-environment jsdom
 // What the page says of rules, actions, endings and what was typed.
 
+import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { readSeed } from '../src/controls';
-import { actionsOf, usualRule, whyNotParameter, withParameters } from '../src/rules';
+import { actionsOf, rangesOf, usualRule, usualRules, whyNotParameter, withParameters } from '../src/rules';
 import { endingHint, ruleSaid } from '../src/words';
 
 describe('rules', () => {
@@ -17,6 +18,21 @@ describe('rules', () => {
     const linear = kinds.map((kind) => ruleSaid('lasc', kind));
     expect(linear.map((text) => /c > 0\.5/.test(text))).toEqual([true, false, false]);
     expect(linear[2]).toContain('c · robot + (1 − c) · person');
+  });
+
+  it('are those of the program, with its usual parameters for commands', () => {
+    const source = readFileSync('../crates/cohelm/src/arbitration/rule.rs', 'utf8');
+    const kappa = /DEFAULT_KAPPA: f64 = ([\d.]+)/.exec(source)![1]!;
+    const listed = /USUAL: \[Self; 12\] = \[([^\]]*)\]/.exec(source)![1]!.replace('DEFAULT_KAPPA', kappa);
+    const theirs = [...listed.matchAll(/Self::(\w+)(?: \{([^}]*)\})?/g)].map(([, name, parameters = '']) => {
+      const numbers = [...parameters.matchAll(/(\w+): ([\d.]+)/g)].map(([, name, value]) => [name, Number(value)]);
+      return [name!.replace(/(?<!^)[A-Z]/g, '-$&').toLowerCase(), ...numbers];
+    });
+    const ours = usualRules('commands').map((rule) => [
+      rule.rule,
+      ...rangesOf(rule).map(([name, value]) => [name, value]),
+    ]);
+    expect(ours.sort()).toEqual(theirs.sort());
   });
 
   it('keep parameters that make sense and no others', () => {
