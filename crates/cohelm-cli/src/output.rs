@@ -1,8 +1,10 @@
 //! What commands print: tables for people, or one JSON object with `--json`.
 
+use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 
 /// Whether a command prints for people or for programs.
 #[derive(Args, Clone, Copy, Debug)]
@@ -41,6 +43,20 @@ pub fn say(lines: &str) {
     }
 }
 
+/// Makes a folder and works in it. If that fails, whatever folders were made for it go again, as far as they are empty.
+pub fn in_folder<Done>(folder: &Path, work: impl FnOnce() -> Result<Done>) -> Result<Done> {
+    let is_new = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+    let made: Vec<&Path> = folder.ancestors().take_while(is_new).collect();
+    let begun = std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()));
+    let done = begun.and_then(|()| work());
+    if done.is_err() {
+        // A folder that holds something stays, and so do those above it.
+        let _ = made.into_iter().try_for_each(std::fs::remove_dir);
+    }
+    done
+}
+
 /// Rows of cells as aligned columns; the first column to the left, the others, which hold numbers, to the right.
 pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     columns(head, rows, 1)
@@ -73,7 +89,28 @@ fn columns(head: &[&str], rows: &[Vec<String>], left: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{table, words_table};
+    use super::{in_folder, table, words_table};
+    use anyhow::bail;
+
+    #[test]
+    fn what_fails_leaves_no_empty_folder() {
+        let here = tempfile::tempdir().unwrap();
+        let out = here.path().join("a/b");
+        let failed = |write: bool| {
+            let work = || {
+                if write {
+                    std::fs::write(out.join("checkpoint"), "half")?;
+                }
+                bail!("no")
+            };
+            in_folder::<()>(&out, work).unwrap_err();
+        };
+        failed(false);
+        assert!(!here.path().join("a").exists());
+        failed(true);
+        assert!(out.join("checkpoint").exists(), "what was written stays");
+        assert_eq!(in_folder(&out, || Ok(1)).unwrap(), 1);
+    }
 
     #[test]
     fn words_stand_to_the_left() {

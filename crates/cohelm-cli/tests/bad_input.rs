@@ -134,6 +134,13 @@ fn databases_that_are_none() {
     refused(&["verify", "episodes", "--database", "missing"], &["there is no database missing"]);
     let line = refused(&["fly", "--port", "0", "--database", "."], &["database"]);
     assert_eq!(line.matches("the database .").count(), 1, "{line}");
+    refused(&["fly", "--port", "0", "--database", "no/such/x.db"], &["there is no folder no/such"]);
+    refused(&["study", "restore", "missing", "to.db"], &["there is no backup missing", "study backup"]);
+    refused_in(
+        folder.path(),
+        &["study", "check", "garbage"],
+        &["garbage is no text", "a study's file, in TOML"],
+    );
     let line =
         refused(&["train", "intent", "--from", "missing", "--out", "."], &["there is no database missing"]);
     assert!(!line.contains('"'), "a name in the form of a debugger: {line}");
@@ -188,6 +195,11 @@ fn numbers_that_cannot_be() {
     refused(&["bench", "serve", "--bound", "-1"], &["-1", "positive"]);
     no_command_line(&["evaluate", "--episodes", "3.5"], &["3.5"]);
     no_command_line(&["reproduce", "--seed", "99999999999999999999999"], &["99999999999999999999999"]);
+    refused(&["compare", "--participants", "1"], &["--participants must be at least 2, got 1"]);
+    refused(&["compare", "--episodes", "0"], &["--episodes must be at least 1, got 0"]);
+    let pilot = in_project("studies/pilot.toml");
+    let power = ["study", "power", pilot.to_str().unwrap(), "--effect", "20", "--sd", "25"];
+    refused(&power, &["success is a share of one", "0.2 for 20 percentage points", "got 20 and 25"]);
     refused(&["reproduce", "--participants", "0"], &["at least one participant"]);
     refused(&["reproduce", "--episodes", "0"], &["at least one"]);
     refused(&["evaluate", "--episodes", "0"], &["at least one"]);
@@ -223,6 +235,15 @@ fn a_reason_is_told_once() {
         let line = refused_in(folder.path(), arguments, &[]);
         let reason = line.rsplit(": ").next().unwrap();
         assert_eq!(line.matches(reason).count(), 1, "{line}");
+    }
+}
+
+#[test]
+fn what_is_refused_leaves_no_folder() {
+    for arguments in [&["reproduce", "--actions", "flaps"][..], &["train", "--values", "steps=0"]] {
+        let folder = folder();
+        refused_in(folder.path(), arguments, &[]);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{arguments:?}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::address::Address;
 use crate::line::{Line, LineError};
-use crate::words::{self, Begin, Hello, MAX_LINE, MAX_OPENING, Moved, PROTOCOL, Ready};
+use crate::words::{self, Begin, Hello, MAX_LINE, MAX_OPENING, Moved, PROTOCOL, Ready, WordsError};
 use cohelm::action::{Action, ActionSpace};
 use cohelm::plant::{Ending, Plant, Step, View};
 use cohelm::scene::{Pose, Scene};
@@ -71,6 +71,14 @@ pub enum ExternalError {
         /// What happened.
         reason: LineError,
     },
+    /// It says in its own words why it does not begin.
+    #[error("the plant says: {words}")]
+    Told {
+        /// Where.
+        address: Address,
+        /// Its words.
+        words: String,
+    },
     /// What it says is not the protocol.
     #[error("the plant at {address} does not speak the protocol: {reason}")]
     Garbled {
@@ -111,11 +119,14 @@ impl External {
     pub fn begin(address: &Address, seed: u64, time_out: TimeOut) -> Result<Self, ExternalError> {
         let at = || address.clone();
         let unready = |reason| ExternalError::Unready { address: at(), reason };
-        let garbled = |reason| ExternalError::Garbled { address: at(), reason };
+        let unread = |error| match error {
+            WordsError::Told(words) => ExternalError::Told { address: at(), words },
+            WordsError::Garbled(reason) => ExternalError::Garbled { address: at(), reason },
+        };
         let mut line = Line::connect(address, READY_WITHIN)
             .map_err(|reason| ExternalError::Unreachable { address: at(), reason })?;
         let hello: Hello =
-            words::read(&line.hear(MAX_LINE, READY_WITHIN).map_err(unready)?).map_err(garbled)?;
+            words::read(&line.hear(MAX_LINE, READY_WITHIN).map_err(unready)?).map_err(unread)?;
         if hello.cohelm != PROTOCOL {
             return Err(ExternalError::Version { address: at(), found: hello.cohelm });
         }
@@ -124,7 +135,7 @@ impl External {
         let begin = Begin { seed, time_out_ms: time_out.between_ticks_ms(hello.ticks_per_second) };
         line.say(&words::begin(begin), READY_WITHIN).map_err(unready)?;
         let ready: Ready =
-            words::read(&line.hear(MAX_OPENING, READY_WITHIN).map_err(unready)?).map_err(garbled)?;
+            words::read(&line.hear(MAX_OPENING, READY_WITHIN).map_err(unready)?).map_err(unread)?;
         let (scene, pilot_goal, first) = ready.seen();
         let Hello { name, ticks_per_second, space, .. } = hello;
         let about = Described { name, ticks_per_second, space, scene, pilot_goal };
@@ -153,7 +164,7 @@ impl External {
         let axes = if let ActionSpace::Axes { names, .. } = self.seen.space() { names.len() } else { 0 };
         line.say(&words::tick(tick, action, axes), self.time_out).map_err(|error| error.to_string())?;
         let answer = line.hear(MAX_LINE, self.time_out).map_err(|error| error.to_string())?;
-        let moved: Moved = words::read(&answer)?;
+        let moved: Moved = words::read(&answer).map_err(|error| error.to_string())?;
         if moved.tick != tick {
             return Err(format!("it answers tick {}, but tick {tick} was asked", moved.tick));
         }

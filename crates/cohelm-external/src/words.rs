@@ -124,16 +124,31 @@ pub fn end(ending: Ending) -> String {
     serde_json::json!({ "end": ending.word() }).to_string()
 }
 
+/// Why a line of the plant is not what was asked for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WordsError {
+    /// The plant has something to say instead: its own words.
+    #[error("it says: {0}")]
+    Told(String),
+    /// It is not the protocol.
+    #[error("{0}")]
+    Garbled(String),
+}
+
 /// What a line of the plant says, or what is wrong with it.
-pub fn read<T: DeserializeOwned>(line: &str) -> Result<T, String> {
+pub fn read<T: DeserializeOwned>(line: &str) -> Result<T, WordsError> {
     let value: Value = serde_json::from_str(line).map_err(|error| {
-        format!("its line is no JSON ({error}; NaN and Infinity are none either): {}", shorten(line))
+        WordsError::Garbled(format!(
+            "its line is no JSON ({error}; NaN and Infinity are none either): {}",
+            shorten(line)
+        ))
     })?;
     if let Some(words) = value.get("error").and_then(Value::as_str) {
-        return Err(format!("it says: {}", shorten(words)));
+        return Err(WordsError::Told(shorten(words)));
     }
     serde_json::from_value(value)
         .map_err(|error| format!("its line is not what was expected ({error}): {}", shorten(line)))
+        .map_err(WordsError::Garbled)
 }
 
 fn shorten(text: &str) -> String {

@@ -107,7 +107,7 @@ fn what_cannot_be_flown_is_refused_before_the_episode() {
             drawn(outline("polygon"), [1, 1]),
             "an outline of the scene must be 1 to 20000 points, got 0",
         ),
-        (hello(), json!({ "error": "the brake is on" }), "it says: the brake is on"),
+        (hello(), json!({ "error": "the brake is on" }), "the plant says: the brake is on"),
     ];
     for (hello, ready, expected) in cases {
         let said = begin(&hello, &ready).err().expect("a refusal");

@@ -35,8 +35,9 @@ use cohelm::registry::{OfferedActions, PlantEntry};
 use serde::Serialize;
 use std::cell::RefCell;
 
-/// Most bytes that are taken in at once: several times the largest model and the longest record.
-pub const MAX_INPUT: usize = 32 * 1024 * 1024;
+/// Most bytes that are taken in at once: the longest record that the server stores, which is several times the largest
+/// model.
+pub const MAX_INPUT: usize = cohelm::trajectory::MAX_BYTES;
 
 thread_local! {
     static PAGE: RefCell<Page> = RefCell::new(Page::new());

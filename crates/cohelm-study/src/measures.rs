@@ -98,6 +98,12 @@ impl Measure<'_> {
         number(factor * difference, self.decimals)
     }
 
+    /// The end of an interval of differences. No two shares differ by more than 100 points: what a symmetrical interval
+    /// says beyond is left off, as it is of the intervals of shares themselves.
+    pub fn difference_end(&self, end: f64) -> String {
+        self.difference(if self.unit == Unit::Share { end.clamp(-1.0, 1.0) } else { end })
+    }
+
     /// What goes behind a difference, or an interval of differences: " points" for shares.
     pub fn difference_unit(&self) -> &'static str {
         if self.unit == Unit::Share { "\u{a0}points" } else { "" }

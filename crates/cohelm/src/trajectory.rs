@@ -7,7 +7,8 @@ mod bytes;
 
 pub(crate) use bytes::Reader;
 pub use bytes::{
-    FORMAT_VERSION, MAX_EVENTS, MAX_TICKS, TAPED_FORMAT_VERSION, TrajectoryError, put_event, read_events,
+    FORMAT_VERSION, MAX_BYTES, MAX_EVENTS, MAX_TICKS, TAPED_FORMAT_VERSION, TrajectoryError, put_event,
+    read_events,
 };
 
 use crate::action::Action;

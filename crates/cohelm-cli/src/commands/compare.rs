@@ -57,7 +57,14 @@ impl Compare {
             threads: self.threads,
         };
         let mut all = Vec::new();
-        for bench in self.chosen(Bench::all(&plants, &models))? {
+        let chosen = self.chosen(Bench::all(&plants, &models))?;
+        if self.format.shows_progress() {
+            eprintln!(
+                "{} benches; the folder is written at the end, Ctrl-C before leaves nothing",
+                chosen.len()
+            );
+        }
+        for bench in chosen {
             all.push(comparison.run(&bench)?);
             if self.format.shows_progress() {
                 eprintln!("{:5.1} s  {}", begun.elapsed().as_secs_f64(), bench.name);
@@ -83,8 +90,18 @@ impl Compare {
 
     fn budget(&self) -> Result<Budget> {
         let Self { participants, episodes, tuning_episodes, .. } = *self;
-        if participants < 2 || episodes == 0 || tuning_episodes == 0 {
-            bail!("a comparison needs at least two people of each kind, and one episode each");
+        let least = [
+            ("--participants", participants, 2),
+            ("--episodes", episodes, 1),
+            ("--tuning-episodes", tuning_episodes, 1),
+        ];
+        for (option, got, least) in least {
+            if got < least {
+                bail!(
+                    "{option} must be at least {least}, got {got}: a comparison needs at least two people of each kind, \
+                     and one episode each"
+                );
+            }
         }
         Ok(Budget { participants, episodes, tuning_episodes })
     }

@@ -2,7 +2,7 @@
 
 use super::fly::open;
 use crate::numbers::whole;
-use crate::output::{Format, table};
+use crate::output::{Format, in_folder, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -34,7 +34,7 @@ pub struct Reproduce {
     /// Episodes of each participant in each condition (the paper gives no count).
     #[arg(long, default_value_t = 40, value_parser = whole::<usize>)]
     episodes: usize,
-    /// Actions: switches (the paper's) or main-side.
+    /// Actions: switches (the paper's), main-side or continuous; gymnasium too with models of your own.
     #[arg(long, default_value = "switches")]
     actions: String,
     /// Another value or intent model than the shipped one; may be given again.
@@ -72,12 +72,13 @@ impl Reproduce {
         }
         let (plants, models) = (rig::plants(), rig::models(&self.models)?);
         let out = self.out.clone().unwrap_or_else(|| format!("reproduce-{}", self.seed).into());
-        std::fs::create_dir_all(&out).with_context(|| format!("cannot make the folder {}", out.display()))?;
-        if self.sensitivity {
-            self.vary(&plants, &models, &out)
-        } else {
-            self.reproduce(&plants, &models, &out)
-        }
+        in_folder(&out, || {
+            if self.sensitivity {
+                self.vary(&plants, &models, &out)
+            } else {
+                self.reproduce(&plants, &models, &out)
+            }
+        })
     }
 
     fn reproduce(&self, plants: &Plants, models: &Models, out: &Path) -> Result<ExitCode> {

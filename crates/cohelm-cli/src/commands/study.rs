@@ -5,6 +5,7 @@ mod check;
 pub mod data;
 pub mod dry_run;
 mod export;
+mod neighbours;
 mod power;
 mod run;
 pub mod shelf;

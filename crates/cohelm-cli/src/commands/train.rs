@@ -1,10 +1,11 @@
 //! `cohelm train`: a co-pilot from nothing, values first, then intent.
 
+mod flown;
+
+use self::flown::Flown;
 use super::evaluate::threads;
-use super::fly::open_existing;
-use super::study::data::{Source, is_archive};
 use crate::numbers::whole;
-use crate::output::{Format, table};
+use crate::output::{Format, in_folder, table};
 use crate::rig;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
@@ -13,15 +14,12 @@ use cohelm::human::{Person, Population};
 use cohelm::pilot::Pilot;
 use cohelm::plant::Plant;
 use cohelm::registry::{PlantEntry, Plants, Task};
-use cohelm::trajectory::Trajectory;
 use cohelm_copilot::Model;
 use cohelm_learn::ship::{Recipe, Yard, ship, write_model};
 use cohelm_learn::{
     IntentOfPeople, IntentOptions, Job, Profile, Progress, RecordedFlight, TrainedIntent, TrainedValues,
     ValueOptions, train_intent, train_intent_from, train_values,
 };
-use cohelm_server::store::{Page, Progress as Flown, Store, unpack};
-use cohelm_study::session::Session;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 use serde_json::json;
@@ -109,18 +107,21 @@ impl Train {
             name: &name,
             variant,
         };
-        std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("cannot make the folder {}", self.out.display()))?;
+        in_folder(&self.out, || self.train(&job))
+    }
+
+    fn train(&self, job: &Job<'_>) -> Result<ExitCode> {
         if !self.from.is_empty() {
-            return self.intent_of_people(&job);
+            return self.intent_of_people(job);
         }
+        let plant = job.plant()?;
         let values = match self.what {
             Some(What::Intent) => None,
-            _ => Some(self.values(&job)?),
+            _ => Some(self.values(job)?),
         };
         let wants_intent = self.what != Some(What::Values) && plant.view().goals.len() > 1;
         let intent = if wants_intent {
-            Some(self.intent(&job, values.as_ref().map(|trained| &trained.model))?)
+            Some(self.intent(job, values.as_ref().map(|trained| &trained.model))?)
         } else {
             None
         };
@@ -135,6 +136,12 @@ impl Train {
             ValueOptions::preset(self.preset_name(job.plants.entry(job.task)?, job.plant()?.space()))?;
         let options: ValueOptions = changed(&preset, &self.value_options)?;
         let bar = self.bar();
+        if self.format.shows_progress() {
+            eprintln!(
+                "checkpoints lie in {}: after Ctrl-C the same command goes on from there",
+                self.out.display()
+            );
+        }
         let pilots = |plant: &dyn Plant, number: u64| pilots(job.plants, job.task, plant, number);
         let trained = train_values(job, &options, Some(&pilots), &mut |progress| show(&bar, progress))?;
         bar.finish_and_clear();
@@ -223,23 +230,17 @@ impl Train {
     /// Trains intent on flights of people, one database a participant.
     fn intent_of_people(&self, job: &Job<'_>) -> Result<ExitCode> {
         let options: IntentOptions = changed(&IntentOptions::default(), &self.intent_options)?;
-        let mut flights = Vec::new();
-        for file in &self.from {
-            flights.extend(if is_archive(file)? {
-                flights_of_study(file, job.task)?
-            } else {
-                let participant = file.display().to_string();
-                let flown = flights_of_people(file, job.task)?;
-                flown.into_iter().map(|flown| (participant.clone(), flown)).collect()
-            });
-        }
+        let flown = Flown::read(&self.from, job.task)?;
+        let flights = &flown.flights;
         if flights.is_empty() {
             let files: Vec<String> = self.from.iter().map(|file| file.display().to_string()).collect();
+            let left_out = flown.left_out_text();
             bail!(
-                "there is no finished flight of a person on {} in {} (of a study, give the archive that `cohelm study \
-                 export` writes)",
+                "there is no finished flight of a person on {} in {} to learn from (of a study, give the archive that \
+                 `cohelm study export` writes){}{left_out}",
                 job.task.plant,
-                files.join(", ")
+                files.join(", "),
+                if left_out.is_empty() { "" } else { "; " }
             );
         }
         let recorded: Vec<RecordedFlight<'_>> = flights
@@ -255,10 +256,14 @@ impl Train {
         bar.finish_and_clear();
         self.write(&trained.model)?;
         let report = json!({
-            "flights": flights.len(), "learnt_from": trained.learnt_from, "held_out": trained.held_out,
+            "flights": flights.len(), "left_out": flown.left_out(), "learnt_from": trained.learnt_from, "held_out": trained.held_out,
             "scores": trained.scores, "before": trained.before, "hash": trained.model.hash(),
         });
-        self.format.print(&report, |_| people_text(&trained));
+        self.format.print(&report, |_| {
+            let left_out = flown.left_out_text();
+            let learnt = people_text(&trained);
+            if left_out.is_empty() { learnt } else { format!("{learnt}\n\n{left_out}") }
+        });
         Ok(ExitCode::SUCCESS)
     }
 
@@ -328,62 +333,6 @@ fn show(bar: &ProgressBar, progress: &Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Every finished flight of a person on the task's plant in a database. Those of a study are left out: whose they are, and
-/// whether a program flew them, is known where its archive is made.
-fn flights_of_people(file: &Path, task: &Task) -> Result<Vec<Trajectory>> {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(async {
-        let store = open_existing(file).await?;
-        let mut flights = Vec::new();
-        let mut page = Page::newest(500);
-        loop {
-            let episodes = store.episodes(page).await?;
-            let Some(last) = episodes.last() else { break };
-            page.before = Some(last.id);
-            for episode in episodes {
-                let wanted =
-                    episode.pilot == "person" && episode.plant == task.plant && episode.trial.is_none();
-                if !(wanted && matches!(episode.progress, Flown::Finished { .. })) {
-                    continue;
-                }
-                if let Some(packed) = store.record(episode.id).await? {
-                    flights.push(Trajectory::from_bytes(&unpack(&packed)?)?);
-                }
-            }
-        }
-        store.close().await;
-        Ok(flights)
-    })
-}
-
-/// Every finished flight of a study's participants on the task's plant, each with whose it is. Trial runs of the
-/// researchers and participants who are excluded teach nothing; neither do simulated ones, unless nobody else took part.
-fn flights_of_study(archive: &Path, task: &Task) -> Result<Vec<(String, Trajectory)>> {
-    let records = Source { from: archive.as_os_str(), study: None }.records()?;
-    let (mut people, mut simulated) = (Vec::new(), Vec::new());
-    for participant in &records.participants {
-        let Ok(session) = Session::fold(&records.design, &participant.events) else { continue };
-        if session.is_test() || session.excluded().is_some() {
-            continue;
-        }
-        let name = format!("{}/{}", records.design.name, participant.code);
-        let group = if session.is_simulated() { &mut simulated } else { &mut people };
-        for trial in records.trials.iter().filter(|trial| trial.participant == participant.id) {
-            let Some(bytes) = &trial.record else { continue };
-            let flown = Trajectory::from_bytes(bytes)
-                .with_context(|| format!("episode {} of {}", trial.episode, archive.display()))?;
-            if flown.setup.task.plant == task.plant {
-                group.push((name.clone(), flown));
-            }
-        }
-    }
-    if people.is_empty() && !simulated.is_empty() {
-        eprintln!("cohelm: nobody took part in {}: its participants are simulated", archive.display());
-        return Ok(simulated);
-    }
-    Ok(people)
-}
-
 fn people_text(trained: &IntentOfPeople) -> String {
     let number = |value: f64| format!("{value:.3}");
     let rows = |scores: &[cohelm_learn::HeadScores], when: &str| -> Vec<Vec<String>> {
@@ -399,7 +348,8 @@ fn people_text(trained: &IntentOfPeople) -> String {
     all.extend(rows(&trained.scores, "after"));
     let head = ["held-out participants: head", "", "n", "accuracy", "mean c", "calibration error"];
     let (learnt, held) = (trained.learnt_from.len(), trained.held_out.len());
-    format!("learnt from {learnt} participants, scored on {held}\n\n{}", table(&head, &all))
+    let participants = if learnt == 1 { "participant" } else { "participants" };
+    format!("learnt from {learnt} {participants}, scored on {held}\n\n{}", table(&head, &all))
 }
 
 fn values_text(trained: &TrainedValues, profile: bool) -> String {

@@ -47,9 +47,9 @@ impl Against {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Above => "above the curve",
-            Self::On => "not told apart from the curve",
-            Self::Below => "below the curve",
+            Self::Above => "above the line",
+            Self::On => "not told apart from the line",
+            Self::Below => "below the line",
         }
     }
 }

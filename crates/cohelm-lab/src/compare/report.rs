@@ -65,8 +65,9 @@ fn facts(comparison: &Comparison<'_>, making: &Making) -> Vec<(String, String)> 
         (
             "Flown",
             format!(
-                "{} people of each kind, {} episodes each under every rule",
-                budget.participants, budget.episodes
+                "{} people of each kind, {} each under every rule",
+                budget.participants,
+                episodes(budget.episodes)
             ),
         ),
     ]
@@ -76,13 +77,17 @@ fn facts(comparison: &Comparison<'_>, making: &Making) -> Vec<(String, String)> 
 
 fn how(comparison: &Comparison<'_>) -> String {
     format!(
-        "Every rule may try at most {SETTINGS} settings, {} episodes a person each; it enters with the one that has the highest \
+        "Every rule may try at most {SETTINGS} settings, {} a person each; it enters with the one that has the highest \
          success − {WEIGHT_OF_REPLACED} · replaced. Rules that ask for no more than the goal share the head of the inference with \
          which the robot alone does best; for rules that ask how sure the co-pilot is, the head is a setting. The table is flown \
          by other kinds of people on other seeds, the same for every rule down to the chance in the pilot’s hands. Intervals are \
          95 % bootstrap intervals that draw people anew within each kind.",
-        comparison.budget.tuning_episodes
+        episodes(comparison.budget.tuning_episodes)
     )
+}
+
+fn episodes(count: usize) -> String {
+    if count == 1 { "1 episode".into() } else { format!("{count} episodes") }
 }
 
 fn on_bench(compared: &Compared, document: &mut Document) -> Result<(), CompareError> {

@@ -10,9 +10,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StoreError {
     /// There is none.
-    #[error(
-        "there is no database {database}; the first flight makes one (cohelm fly), or name another with --database"
-    )]
+    #[error("there is no database {database}; check its name (`cohelm fly` and `cohelm study run` make one)")]
     Missing {
         /// Where it should be.
         database: String,

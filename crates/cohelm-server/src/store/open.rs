@@ -27,8 +27,8 @@ impl<'a> Database<'a> {
     }
 }
 
-/// Opens the database of this name, a file or `postgres://…`; makes its tables if they are not there, and a file and its
-/// folder as well.
+/// Opens the database of this name, a file or `postgres://…`; makes its tables if they are not there, and a file in a
+/// folder that is.
 pub async fn open(database: impl AsRef<OsStr>) -> Result<Arc<dyn Store>, StoreError> {
     Ok(match Database::read(database.as_ref())? {
         Database::File(path) => Arc::new(SqliteStore::open(path).await?),

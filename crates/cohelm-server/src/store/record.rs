@@ -2,13 +2,11 @@
 
 use super::StoreError;
 use cohelm::plant::Ending;
-use cohelm::tape::MAX_TAPE;
-use cohelm::trajectory::{MAX_EVENTS, MAX_TICKS, Setup, Trajectory};
+use cohelm::trajectory::{self, Setup, Trajectory};
 use std::io::Read;
 
-/// Most bytes a trajectory can have: four axes asked and executed at each tick, sticks moved at each event, and
-/// the largest tape with its scene.
-const MAX_BYTES: u64 = (4 * 1024 * 1024 + 34 * MAX_TICKS + 18 * MAX_EVENTS + MAX_TAPE) as u64;
+/// Most bytes a trajectory can have.
+const MAX_BYTES: u64 = trajectory::MAX_BYTES as u64;
 /// How hard zstd tries: higher packs a little smaller and much slower.
 const LEVEL: i32 = 3;
 

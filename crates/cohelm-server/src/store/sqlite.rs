@@ -29,9 +29,9 @@ pub struct SqliteDriver {
 }
 
 impl SqliteStore {
-    /// Opens the database in this file; makes it, and its folder, if there is none.
+    /// Opens the database in this file; makes it if there is none, but not its folder.
     pub async fn open(path: &Path) -> Result<Self, StoreError> {
-        door::make_folder(path)?;
+        door::want_folder(path)?;
         SqliteDriver::connect(path).await.map(Self::new)
     }
 

@@ -12,13 +12,15 @@ pub trait Catalogue {
     fn check_condition(&self, design: &Design, condition: &Condition) -> Result<(), String>;
 }
 
-/// What estimates of time need to know of a plant.
+/// What estimates of time, and advice, need to know of a plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantFacts {
     /// Ticks a second at time scale 1.
     pub ticks_per_second: f64,
     /// Ticks after which a flight ends in any case, if it does.
     pub limit_ticks: Option<u32>,
+    /// Whether its actions are on axes.
+    pub axes: bool,
 }
 
 /// The plant and models of a design as found: what a flight's setup names besides the design.

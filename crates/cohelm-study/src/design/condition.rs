@@ -2,7 +2,7 @@
 
 use super::Words;
 use super::text::described_by;
-use cohelm::arbitration::Rule;
+use cohelm::arbitration::{Rule, RuleError};
 use cohelm::cockpit::Silence;
 use cohelm::intent::Inference;
 use cohelm::registry::Task;
@@ -120,7 +120,9 @@ enum RuleName {
     Hic,
     /// Robot alone: the best action, whatever is asked.
     Robot,
-    /// Linear arbitration: the robot's action if the confidence is above one half, otherwise the person's.
+    /// Linear arbitration. On axes a blend, c · robot + (1 − c) · person; with levers the same for each lever, at the
+    /// nearest position; where actions have no sum the robot's if the confidence c is above one half, otherwise the
+    /// person's.
     Lasc,
     /// A blend whose weight follows a broken line over the confidence; takes `start`, `full` and `most`.
     LineGraph,
@@ -209,7 +211,8 @@ struct ConditionTable {
     rule: RuleName,
     /// tolerance: 0 allows only a best action, 1 every action. Usual: 0.5 to 0.8.
     alpha: Option<f64>,
-    /// misc-r, misc-h: regret allowed, in median ranges of the values. Usual: 0.5 to 1.5. Default: 0.7, 1.25 for misc-h.
+    /// misc-r, misc-h: regret allowed, in median ranges of the values. Usual: 0.5 to 1.5 for commands, 0.1 to 0.5 for axes.
+    /// Default: 0.7, 1.25 for misc-h, which suit commands; on axes give one, such as 0.2.
     kappa: Option<f64>,
     /// misc-h: share of `kappa` allowed at the tick after an intervention, 0 to 1; less holds on longer. Default: 0.5.
     release: Option<f64>,
@@ -265,7 +268,7 @@ impl TryFrom<ConditionTable> for Condition {
     type Error = String;
 
     fn try_from(table: ConditionTable) -> Result<Self, String> {
-        let rule = table.rule().map_err(|reason| format!("condition {:?}: {reason}", table.name))?;
+        let rule = table.rule().map_err(|fault| format!("condition {:?}: {}", table.name, fault.reason))?;
         Ok(Self {
             rule,
             name: table.name,
@@ -280,13 +283,46 @@ impl TryFrom<ConditionTable> for Condition {
     }
 }
 
+/// What is wrong with a rule, and the key where.
+struct RuleFault {
+    key: String,
+    reason: String,
+}
+
+impl From<RuleError> for RuleFault {
+    fn from(error: RuleError) -> Self {
+        let key = match &error {
+            RuleError::Alpha(_) => "alpha",
+            RuleError::Kappa(_) => "kappa",
+            RuleError::Parameter { name, .. } => name,
+            RuleError::NoParameter { name, .. } => name,
+            RuleError::Unknown { .. } | RuleError::MedianRange { .. } => "rule",
+        };
+        Self { key: key.to_owned(), reason: error.to_string() }
+    }
+}
+
+/// What is wrong with the rules of a file whose conditions can be read: where (`conditions[1].kappa`), and a sentence
+/// each. The reader of TOML does not know in which of several tables a conversion failed.
+pub(super) fn rule_faults(text: &str) -> Vec<(String, String)> {
+    #[derive(Deserialize)]
+    struct OnlyConditions {
+        conditions: Vec<ConditionTable>,
+    }
+    let Ok(OnlyConditions { conditions }) = toml::from_str(text) else { return Vec::new() };
+    let fault = |(index, table): (usize, &ConditionTable)| {
+        let RuleFault { key, reason } = table.rule().err()?;
+        Some((format!("conditions[{index}].{key}"), format!("condition {:?}: {reason}", table.name)))
+    };
+    conditions.iter().enumerate().filter_map(fault).collect()
+}
+
 impl ConditionTable {
-    fn rule(&self) -> Result<Rule, String> {
+    fn rule(&self) -> Result<Rule, RuleFault> {
         if matches!(self.rule, RuleName::Tolerance) && self.alpha.is_none() {
-            return Err(
-                "rule tolerance needs `alpha` in 0 to 1 (0: only a best action, 1: every action), got none"
-                    .into(),
-            );
+            let reason =
+                "rule tolerance needs `alpha` in 0 to 1 (0: only a best action, 1: every action), got none";
+            return Err(RuleFault { key: "rule".into(), reason: reason.into() });
         }
         let parameters = [
             ("alpha", self.alpha),
@@ -304,8 +340,7 @@ impl ConditionTable {
         let rule =
             given.into_iter().try_fold(self.rule.usual(), |rule, (name, value)| rule.with(name, value));
         // The models come later: here only the parameters are looked at, whatever the values' range.
-        let checked = rule.and_then(|rule| rule.arbiter(1.0).map(|_| rule));
-        checked.map_err(|error| error.to_string())
+        Ok(rule.and_then(|rule| rule.arbiter(1.0).map(|_| rule))?)
     }
 }
 

@@ -1,11 +1,14 @@
 //! From a study's file to a design, or to what is wrong with it, where, and what was meant perhaps.
 
-use super::{Catalogue, Design, DesignError, PlantFacts, Problem, check};
+use super::{Catalogue, Design, DesignError, PlantFacts, Problem, check, condition};
 use toml::de::{DeTable, DeValue};
 
 /// Reads and checks a study's file.
 pub(super) fn read(text: &str) -> Result<Design, DesignError> {
-    let mut design: Design = toml::from_str(text).map_err(|error| unreadable(text, &error))?;
+    let mut design: Design = toml::from_str(text).map_err(|error| match condition::rule_faults(text) {
+        faults if faults.is_empty() => unreadable(text, &error),
+        faults => located(text, faults),
+    })?;
     design.text = text.to_owned();
     let complaints = check::complaints(&design);
     if complaints.is_empty() { Ok(design) } else { Err(located(text, complaints)) }

@@ -155,7 +155,7 @@ struct SmallCatalogue;
 
 impl Catalogue for SmallCatalogue {
     fn check_task(&self, task: &cohelm::registry::Task) -> Result<PlantFacts, String> {
-        let facts = PlantFacts { ticks_per_second: 50.0, limit_ticks: None };
+        let facts = PlantFacts { ticks_per_second: 50.0, limit_ticks: None, axes: false };
         if task.plant == "flag-lander" {
             Ok(facts)
         } else {
@@ -187,6 +187,24 @@ fn what_a_program_has_not_is_told_with_its_place_too() {
         format!("line {}, column 1: task.plant: no plant is called", line_of("plant = \"flag-lander\""));
     let other = said(&text.replace("plant = \"flag-lander\"", "plant = \"moon-lander\""));
     assert!(other.starts_with(&expected), "{other}");
+}
+
+/// Every condition's fault at its own key, though the reader of TOML names the first table for all of them.
+#[test]
+fn a_rules_fault_is_told_at_its_own_condition_and_key() {
+    let text = shipped("pilot")
+        .replace("rule = \"lasc\"", "rule = \"misc-r\"\nkappa = -1")
+        .replace("rule = \"misc\"", "rule = \"tolerance\"\nalpha = 2");
+    let said = Design::from_toml(&text).expect_err("must be refused").to_string();
+    let line_of = |words: &str| text.lines().position(|line| line == words).expect("it is there") + 1;
+    let expected = format!(
+        "line {}, column 1: conditions[1].kappa: condition \"lasc\": the regret κ must be a finite number of at least 0 \
+         (usual: 0.5 to 1.5 for commands, 0.1 to 0.5 for axes), got -1\n\
+         line {}, column 1: conditions[2].alpha: condition \"misc\": the tolerance α",
+        line_of("kappa = -1"),
+        line_of("alpha = 2"),
+    );
+    assert!(said.starts_with(&expected), "{said}");
 }
 
 #[test]
@@ -291,7 +309,7 @@ mod explained {
     use super::*;
 
     fn words(name: &str) -> String {
-        let facts = PlantFacts { ticks_per_second: 50.0, limit_ticks: Some(1000) };
+        let facts = PlantFacts { ticks_per_second: 50.0, limit_ticks: Some(1000), axes: false };
         explain(&Design::from_toml(&shipped(name)).expect("well-formed"), Some(&facts)).to_string()
     }
 
@@ -333,6 +351,23 @@ mod explained {
         let paper = words("paper");
         assert!(paper.contains("10 participants do not fill 6 orders equally; 12 would"), "{paper}");
         assert!(paper.contains("all before the first measured flight"), "{paper}");
+    }
+
+    /// docs/continuous.md: on axes κ = 0.2 does what 0.7 to 1 does with commands.
+    #[test]
+    fn a_regret_that_suits_commands_is_doubted_on_axes() {
+        let doubts = |rule: &str, axes: bool| {
+            let text = shipped("pilot").replace("rule = \"lasc\"", rule);
+            let design = Design::from_toml(&text).expect("well-formed");
+            let facts = PlantFacts { ticks_per_second: 50.0, limit_ticks: None, axes };
+            let cautions = explain(&design, Some(&facts)).cautions;
+            cautions.into_iter().find(|caution| caution.contains("κ"))
+        };
+        let said = doubts("rule = \"misc-r\"", true).expect("the default suits commands");
+        assert!(said.starts_with("On axes κ = 0.7 (lasc) lets nearly everything through"), "{said}");
+        assert!(doubts("rule = \"misc-h\"", true).expect("so does that one").contains("κ = 1.25 (lasc)"));
+        assert_eq!(doubts("rule = \"misc-r\"\nkappa = 0.2", true), None);
+        assert_eq!(doubts("rule = \"misc-r\"", false), None);
     }
 
     #[test]

@@ -131,3 +131,26 @@ fn a_studys_own_questionnaire_is_scored_in_the_same_way() {
     let expected = [("a", 4.0), ("b", 5.0), ("overall", 4.5)];
     assert_eq!(found, expected.map(|(name, value)| (name.to_owned(), Some(value))));
 }
+
+/// Items, ends of scales and choices are shown as they are written: only introductions know markup.
+#[test]
+fn nobody_reads_asterisks() {
+    for known in built_in() {
+        let of_items = known.items.iter().flat_map(|item| {
+            let more: Vec<&Words> = match &item.answer {
+                AnswerKind::Scale(scale) => {
+                    [&scale.left, &scale.right].into_iter().chain(&scale.labels).collect()
+                }
+                AnswerKind::Choice(choices) | AnswerKind::Many(choices) => {
+                    choices.iter().map(|choice| &choice.text).collect()
+                }
+                AnswerKind::Number { unit, .. } => unit.iter().collect(),
+                AnswerKind::Text { .. } => vec![],
+            };
+            more.into_iter().chain([&item.text])
+        });
+        for text in of_items.chain([&known.title, &known.intro]).flat_map(Words::all) {
+            assert!(!text.contains("**"), "{}: {text}", known.name);
+        }
+    }
+}

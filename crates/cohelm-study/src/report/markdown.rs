@@ -24,6 +24,11 @@ pub(super) fn write(document: &Document) -> String {
     writer.out
 }
 
+/// A title that a sentence follows on the same line.
+fn stopped(title: &str) -> String {
+    if title.ends_with(['.', '!', '?', ':']) { title.to_owned() } else { format!("{title}.") }
+}
+
 struct Writer {
     out: String,
     tables: u32,
@@ -44,7 +49,8 @@ impl Writer {
             Block::Paragraph(text) => self.paragraph(&inline(text)),
             Block::Callout { tone, title, text } => {
                 let kind = if *tone == Tone::Warning { "WARNING" } else { "NOTE" };
-                let _ = write!(self.out, "\n> [!{kind}]\n> **{}** {}\n", literal(title), inline(text));
+                let _ =
+                    write!(self.out, "\n> [!{kind}]\n> **{}** {}\n", literal(&stopped(title)), inline(text));
             }
             Block::List(items) => {
                 self.out.push('\n');

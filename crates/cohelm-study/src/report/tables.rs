@@ -94,7 +94,11 @@ fn differences(measure: &Measure<'_>, pair: &PairOfConditions) -> [Text; 4] {
     match &pair.t {
         Ok(t) => [
             Text::from(measure.difference(t.mean_difference)),
-            Text::from(format!("[{}, {}]", measure.difference(t.ci95.low), measure.difference(t.ci95.high))),
+            Text::from(format!(
+                "[{}, {}]",
+                measure.difference_end(t.ci95.low),
+                measure.difference_end(t.ci95.high)
+            )),
             Text::from(apa::number(t.t, 2)),
             pair.p_holm.map_or_else(|| Text::from(dash()), bare_p),
         ],

@@ -108,7 +108,7 @@ fn finding(
         }
     };
     let difference = measure.write_difference(test.mean_difference);
-    let interval = apa::interval(&test.ci95, |end| measure.difference(end), measure.difference_unit());
+    let interval = apa::interval(&test.ci95, |end| measure.difference_end(end), measure.difference_unit());
     Text::from(format!("Within participants the difference of {difference}, {interval}, {found}, "))
         .then(apa::paired_t(test))
         .plain(".")

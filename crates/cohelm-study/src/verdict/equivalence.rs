@@ -59,7 +59,7 @@ fn judge(comparison: &Comparison<'_>, bound: f64) -> Result<Judgement, Undefined
         ),
     };
     let sentence = Text::from(format!("{meaning}: the difference is {written}, "))
-        .then(apa::tost(&same, |end| measure.difference(end), measure.difference_unit()))
+        .then(apa::tost(&same, |end| measure.difference_end(end), measure.difference_unit()))
         .plain("; the test of a difference gives ")
         .then(apa::paired_t(&differ))
         .plain(".");

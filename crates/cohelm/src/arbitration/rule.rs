@@ -97,7 +97,9 @@ pub enum RuleError {
     #[error("the tolerance α must lie in [0, 1] (0: only a best action, 1: every action), got {0}")]
     Alpha(f64),
     /// κ negative or not finite.
-    #[error("the regret κ must be a finite number of at least 0 (usual: 0.5 to 1.5), got {0}")]
+    #[error(
+        "the regret κ must be a finite number of at least 0 (usual: 0.5 to 1.5 for commands, 0.1 to 0.5 for axes), got {0}"
+    )]
     Kappa(f64),
     /// Another parameter is out of its range.
     #[error("the parameter {name} of rule {rule} must be {expected}, got {got}")]

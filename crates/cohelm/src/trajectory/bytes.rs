@@ -5,7 +5,7 @@ use super::{Digests, Setup, Trajectory};
 use crate::action::Action;
 use crate::keys::{Change, KeyEvent};
 use crate::plant::Ending;
-use crate::tape::{put_tape, read_tape};
+use crate::tape::{MAX_TAPE, put_tape, read_tape};
 use serde::{Deserialize, Serialize};
 
 /// Version of these bytes. Whoever changes their meaning counts it up; older ones stay readable or are refused.
@@ -16,6 +16,9 @@ pub const TAPED_FORMAT_VERSION: u8 = 2;
 pub const MAX_TICKS: usize = 200_000;
 /// Most key events a trajectory may hold.
 pub const MAX_EVENTS: usize = 200_000;
+/// Most bytes that a trajectory's bytes can have: its header, four axes asked and executed at each tick, sticks moved at
+/// each event, and the largest tape with its scene. Whoever takes one in must have room for so many.
+pub const MAX_BYTES: usize = 4 * 1024 * 1024 + 34 * MAX_TICKS + 18 * MAX_EVENTS + MAX_TAPE;
 
 const MAGIC: &[u8; 4] = b"CHLM";
 const MAX_HEADER: usize = 64 * 1024;

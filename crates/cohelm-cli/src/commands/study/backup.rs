@@ -2,7 +2,7 @@
 
 use super::run::shown;
 use crate::output::say;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use cohelm_server::store::{open_existing, restore};
 use std::ffi::OsString;
@@ -45,6 +45,12 @@ impl Backup {
 impl Restore {
     /// Runs the command.
     pub fn run(self) -> Result<ExitCode> {
+        if !self.backup.exists() {
+            bail!(
+                "there is no backup {}: name the file that `cohelm study backup` wrote",
+                self.backup.display()
+            );
+        }
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         runtime.block_on(restore(&self.backup, &self.database))?;
         say(&format!("{} is filled from {}", shown(&self.database), self.backup.display()));

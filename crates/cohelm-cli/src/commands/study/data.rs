@@ -27,7 +27,8 @@ impl Source<'_> {
         let path = Path::new(self.from);
         if is_archive(path)? {
             let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-            return read_archive(&bytes).with_context(|| path.display().to_string());
+            let records = read_archive(&bytes).with_context(|| path.display().to_string())?;
+            return self.the_one_meant(records).with_context(|| path.display().to_string());
         }
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         runtime.block_on(async {
@@ -37,6 +38,24 @@ impl Source<'_> {
             records
         })
     }
+}
+
+impl Source<'_> {
+    /// An archive holds one study: the one that is meant, or an error.
+    fn the_one_meant(&self, records: StudyRecords) -> Result<StudyRecords> {
+        let (name, hash) = (&records.design.name, records.design.hash());
+        match self.study {
+            Some(meant) if !is_called(meant, name, &hash) => {
+                bail!("there is no study {meant:?} in the archive; there is: {name} ({})", &hash[..12])
+            }
+            _ => Ok(records),
+        }
+    }
+}
+
+/// Whether a study is meant, by its name or by the beginning of its file's hash.
+fn is_called(meant: &str, name: &str, hash: &str) -> bool {
+    name == meant || (meant.len() >= 4 && hash.starts_with(meant))
 }
 
 /// True for a file that begins as archives do; what is no file at all is a database's name.
@@ -78,9 +97,7 @@ pub async fn records_of(store: &dyn Store, study: Option<&str>) -> Result<StudyR
 
 /// The study that is meant; of several versions of one file each is a study of its own.
 fn choose(studies: Vec<StoredStudy>, meant: Option<&str>) -> Result<StoredStudy> {
-    let is_meant = |study: &StoredStudy| {
-        meant.is_none_or(|meant| study.name == meant || (meant.len() >= 4 && study.hash.starts_with(meant)))
-    };
+    let is_meant = |study: &StoredStudy| meant.is_none_or(|meant| is_called(meant, &study.name, &study.hash));
     let known: Vec<String> =
         studies.iter().map(|study| format!("{} ({})", study.name, &study.hash[..12])).collect();
     let mut found: Vec<StoredStudy> = studies.into_iter().filter(is_meant).collect();
@@ -111,4 +128,33 @@ async fn trial_of(store: &dyn Store, flight: Episode) -> Result<Option<TrialReco
     let record = packed.map(|packed| unpack(&packed)).transpose()?;
     let (participant, episode) = (trial.participant.0, flight.id.0);
     Ok(Some(TrialRecord { participant, step: trial.step, episode, record, program: flight.program }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ffi::OsStr;
+
+    fn of_archive(study: Option<&str>) -> Result<StudyRecords> {
+        let text = include_str!("../../../../../studies/pilot.toml");
+        let records = StudyRecords {
+            design: Design::from_toml(text).expect("shipped with the project"),
+            participants: vec![],
+            trials: vec![],
+            models: vec![],
+            program: String::new(),
+        };
+        Source { from: OsStr::new("pilot.zip"), study }.the_one_meant(records)
+    }
+
+    #[test]
+    fn an_archive_is_no_other_study_than_its_own() {
+        let hash = of_archive(None).expect("nothing else is meant").design.hash();
+        assert!(of_archive(Some("pilot")).is_ok() && of_archive(Some(&hash[..8])).is_ok());
+        let refused = of_archive(Some("nope")).expect_err("there is no such study").to_string();
+        assert_eq!(
+            refused,
+            format!("there is no study \"nope\" in the archive; there is: pilot ({})", &hash[..12])
+        );
+    }
 }

@@ -14,6 +14,7 @@ use cohelm_lab::study::dataset;
 use cohelm_study::analysis::Quantity;
 use cohelm_study::dataset::Dataset;
 use cohelm_study::design::Design;
+use cohelm_study::measures::{Measure, Unit};
 use cohelm_study::power::{Answered, Assumption, Question, Test, document};
 use serde_json::json;
 use std::ffi::OsString;
@@ -166,6 +167,9 @@ impl Power {
         conditions: [usize; 2],
         effect: &Effect,
     ) -> Result<Answered<'a>> {
+        if let &Effect::Stated { effect, sd, .. } = effect {
+            possible(&quantity.measure(), effect, sd)?;
+        }
         let assumption = match effect {
             &Effect::Stated { effect, sd, correlation } => Assumption::Stated { effect, sd, correlation },
             Effect::Simulated(data) => simulated(data, quantity, conditions)?,
@@ -241,6 +245,19 @@ impl Power {
         let warning = if simulated { "The participants are simulated.\n" } else { "" };
         format!("{warning}{assumed}\n{test}\n\n{}{written}", table(&head, &rows))
     }
+}
+
+/// Shares differ by at most one, and so do they spread: whoever writes percentage points is told.
+fn possible(measure: &Measure<'_>, effect: f64, sd: f64) -> Result<()> {
+    let wrong = measure.unit == Unit::Share && (effect.abs() > 1.0 || sd > 1.0);
+    if wrong {
+        bail!(
+            "{} is a share of one: --effect lies in −1 to 1 and --sd in 0 to 1 (0.2 for 20 percentage points), got {effect} \
+             and {sd}",
+            measure.key
+        );
+    }
+    Ok(())
 }
 
 /// A measure of flights, or a score of a questionnaire that the design asks.

@@ -1,5 +1,6 @@
 //! `cohelm study run`: the participants' pages and the researcher's, from one program.
 
+use super::neighbours::{Running, other_versions};
 use super::shelf::Shelf;
 use crate::commands::fly::{start_log, stop_signal};
 use crate::live;
@@ -80,6 +81,8 @@ impl Run {
         };
         let database = self.database.clone().unwrap_or_else(|| format!("{}.db", design.name).into());
         let store = open(&database).await?;
+        let running = Running::mark(&database);
+        let notes = [other_versions(store.as_ref(), &design).await?, running.as_ref().err().cloned()];
         let study = StudyRun {
             design: design.clone(),
             secret: SecretHash::of(&secret.text)?,
@@ -97,6 +100,9 @@ impl Run {
         let server = Server::start(parts).await?;
         let stop = stop_signal()?;
         say(&greeting(&design, &address, &secret, &shown(&database)));
+        for note in notes.into_iter().flatten() {
+            say(&format!("note           {note}"));
+        }
         match tls {
             Some(tls) => serve_tls(listener, tls, server, stop).await?,
             None => serve(listener, server, stop).await?,

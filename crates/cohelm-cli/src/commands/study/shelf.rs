@@ -1,13 +1,14 @@
 //! The plants and models of this program, as a study's design asks for them.
 
 use crate::rig;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow};
+use cohelm::action::ActionSpace;
 use cohelm::registry::{Plants, Task};
 use cohelm_copilot::{Models, cockpit};
 use cohelm_server::study::resolve;
 use cohelm_study::design::schedule::Assignment;
 use cohelm_study::design::timeline::{FlightPlace, setup};
-use cohelm_study::design::{Catalogue, Condition, Design, PlantFacts};
+use cohelm_study::design::{Catalogue, Condition, Design, DesignError, PlantFacts};
 use std::path::{Path, PathBuf};
 
 /// What can be flown here.
@@ -27,31 +28,38 @@ impl Shelf {
     /// A design that can be flown here, read from its file, and what is known of its plant.
     pub fn design(&self, file: &Path) -> Result<(Design, PlantFacts)> {
         let design = read(file)?;
-        let facts = self.check(&design).with_context(|| file.display().to_string())?;
+        let facts = design.check_with(self).map_err(|error| told(file, &error))?;
         Ok((design, facts))
-    }
-
-    fn check(&self, design: &Design) -> Result<PlantFacts> {
-        let facts = self.check_task(&design.task.task).map_err(|reason| anyhow!(reason))?;
-        let wrong = |condition| self.check_condition(design, condition).err();
-        let wrong: Vec<String> = design.conditions.iter().filter_map(wrong).collect();
-        if wrong.is_empty() { Ok(facts) } else { bail!(wrong.join("; ")) }
     }
 }
 
 /// The design in a file; what is wrong with it is told line by line.
 pub fn read(file: &Path) -> Result<Design> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
-    Design::from_toml(&text).map_err(|error| {
-        let line = |problem: &cohelm_study::design::Problem| format!("{}: {problem}", file.display());
-        anyhow!(error.problems.iter().map(line).collect::<Vec<_>>().join("\n"))
-    })
+    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = String::from_utf8(bytes).map_err(|_| {
+        anyhow!(
+            "{} is no text: expected a study's file, in TOML (studies/ has some); of a database, use `cohelm study report` \
+             or `export`",
+            file.display()
+        )
+    })?;
+    Design::from_toml(&text).map_err(|error| told(file, &error))
+}
+
+/// Everything that is wrong with a file, a line each.
+fn told(file: &Path, error: &DesignError) -> anyhow::Error {
+    let line = |problem: &cohelm_study::design::Problem| format!("{}: {problem}", file.display());
+    anyhow!(error.problems.iter().map(line).collect::<Vec<_>>().join("\n"))
 }
 
 impl Catalogue for Shelf {
     fn check_task(&self, task: &Task) -> Result<PlantFacts, String> {
         let plant = self.plants.make(task).map_err(|error| error.to_string())?;
-        Ok(PlantFacts { ticks_per_second: plant.ticks_per_second(), limit_ticks: plant.limit_ticks() })
+        Ok(PlantFacts {
+            ticks_per_second: plant.ticks_per_second(),
+            limit_ticks: plant.limit_ticks(),
+            axes: matches!(plant.space(), ActionSpace::Axes { .. }),
+        })
     }
 
     fn check_condition(&self, design: &Design, condition: &Condition) -> Result<(), String> {

@@ -17,13 +17,16 @@ pub const PATIENCE: Duration = Duration::from_millis(if cfg!(test) { 300 } else 
 /// One connection writes, the others read meanwhile.
 const CONNECTIONS: u32 = 4;
 
-/// Makes the folder of a database.
-pub fn make_folder(path: &Path) -> Result<(), StoreError> {
-    let Some(folder) = path.parent() else { return Ok(()) };
-    std::fs::create_dir_all(folder).map_err(|error| StoreError::Unwritable {
-        database: path.display().to_string(),
-        reason: error.to_string(),
-    })
+/// A database is made where its folder is: a name with a slip in it is not to hide flights in a folder of its own.
+pub fn want_folder(path: &Path) -> Result<(), StoreError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => Err(StoreError::Unwritable {
+            database: path.display().to_string(),
+            reason: format!("there is no folder {}", folder.display()),
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Looks into the file without changing a byte of it. No file, an empty one and an empty database are fine.

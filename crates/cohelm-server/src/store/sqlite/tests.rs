@@ -43,17 +43,19 @@ async fn what_was_written_is_there_when_it_is_opened_again() {
 }
 
 #[tokio::test]
-async fn a_folder_that_is_missing_is_made_but_a_database_is_not_where_one_should_be() {
+async fn no_folder_is_made_and_no_database_where_one_should_be() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a/b/flights.db");
     let missing = SqliteStore::open_existing(&path).await.expect_err("nothing is there");
     assert_eq!(missing, StoreError::Missing { database: name(&path) });
-    assert!(!path.exists());
-    assert!(SqliteStore::open(&path).await.is_ok());
+    let refused = opened(&path).await.to_string();
+    let folder_of_it = name(&folder.path().join("a/b"));
+    assert!(refused.contains(&format!("there is no folder {folder_of_it}; check that")), "{refused}");
+    assert!(!folder.path().join("a").exists());
 }
 
 #[tokio::test]
-async fn a_folder_that_cannot_be_made_is_said_so() {
+async fn a_folder_that_is_none_is_said_so() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "not a folder").unwrap();

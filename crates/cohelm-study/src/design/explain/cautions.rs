@@ -17,6 +17,7 @@ pub(super) fn cautions(design: &Design, facts: Option<&PlantFacts>, minutes: f64
         scores_that_differ(design),
         untranslated(design),
         slow_limit(design, facts),
+        regret_on_axes(design, facts),
     ];
     found.into_iter().flatten().collect()
 }
@@ -89,6 +90,29 @@ fn untranslated(design: &Design) -> Option<String> {
         counted.map(|(language, count)| format!("{language} ({})", super::count(count, "text"))).collect();
     (!found.is_empty()).then(|| {
         format!("Not translated, and read in {} instead: {}.", design.first_language(), found.join(", "))
+    })
+}
+
+/// The largest κ that is usual on axes; there 0.2 does what 0.7 to 1 does with commands (`docs/continuous.md`).
+const MOST_KAPPA_ON_AXES: f64 = 0.5;
+
+fn regret_on_axes(design: &Design, facts: Option<&PlantFacts>) -> Option<String> {
+    if !facts?.axes {
+        return None;
+    }
+    let lenient = |condition: &Condition| match condition.rule {
+        Rule::MiscR { kappa } | Rule::MiscH { kappa, .. } if kappa > MOST_KAPPA_ON_AXES => {
+            Some(format!("κ = {kappa} ({})", condition.name))
+        }
+        _ => None,
+    };
+    let found: Vec<String> = design.conditions.iter().filter_map(lenient).collect();
+    (!found.is_empty()).then(|| {
+        format!(
+            "On axes {} lets nearly everything through; 0.2 does there what 0.7 to 1 does with commands. Try kappa = 0.2; \
+             usual are 0.1 to 0.5.",
+            found.join(", ")
+        )
     })
 }
 

@@ -113,7 +113,8 @@ pub(super) fn pair(outcome: &Outcome, pair: &PairOfConditions, alpha: f64) -> Te
     let names = format!("{} − {}", pair.first, pair.second);
     let text = match &pair.t {
         Ok(t) => {
-            let interval = apa::interval(&t.ci95, |end| measure.difference(end), measure.difference_unit());
+            let interval =
+                apa::interval(&t.ci95, |end| measure.difference_end(end), measure.difference_unit());
             let text = Text::new()
                 .strong(names)
                 .plain(format!(": {}, {interval}, ", measure.write_difference(t.mean_difference)))
@@ -142,7 +143,7 @@ fn equivalence(outcome: &Outcome, pair: &PairOfConditions, alpha: f64, text: Tex
         (Some(Ok(test)), Some(bound)) => {
             let verdict = if test.p < alpha { "The two are equivalent" } else { "Equivalence is not shown" };
             text.plain(format!(" {verdict} within ±{}: ", measure.write_difference(bound)))
-                .then(apa::tost(test, |end| measure.difference(end), measure.difference_unit()))
+                .then(apa::tost(test, |end| measure.difference_end(end), measure.difference_unit()))
                 .plain(".")
         }
         (Some(Err(why)), _) => text.plain(format!(" Equivalence cannot be tested: {why}.")),
