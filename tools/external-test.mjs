@@ -44,7 +44,8 @@ const plant = await startPlant();
 const server = await Server.start(
   process.env.COHELM ?? "target/release/cohelm",
   join(scratch, "flights.db"),
-  ["--external", plant.address],
+  // The example's own dead man has this time as well: a busy machine needs more than the usual 250 ms.
+  ["--external", plant.address, "--external-time-out", "2000"],
 );
 const executablePath = [
   process.env.CHROMIUM,
@@ -132,7 +133,15 @@ try {
     assert.equal(await page.locator(".pressed .held").count(), 0);
     await page.keyboard.up("ArrowRight");
     await page.waitForTimeout(500);
-    await page.keyboard.press("ArrowRight", { delay: 100 });
+    // Where the machine is busy, what was pressed may be let go of again.
+    for (
+      let i = 0;
+      i < 20 && (await page.locator(".let-go:not([hidden])").count()) > 0;
+      i += 1
+    ) {
+      await page.keyboard.press("ArrowRight", { delay: 100 });
+      await page.waitForTimeout(200);
+    }
     await page.locator(".let-go").waitFor({ state: "hidden" });
     await page.keyboard.press("Escape");
     await card("abandoned").waitFor();
@@ -162,8 +171,8 @@ try {
     await card("ready").waitFor();
   });
 
-  await step("a drag brings the cart to the person's goal", async () => {
-    await page.keyboard.press("Enter");
+  /** Drags the cart to its goal; where the machine is so busy that the drag is let go of, presses again. */
+  async function drag(flight) {
     const [x, y] = [683, 300];
     await page.mouse.move(x, y);
     await page.mouse.down();
@@ -175,6 +184,11 @@ try {
       i += 1
     ) {
       await page.waitForTimeout(30);
+      if ((await page.locator(".let-go:not([hidden])").count()) > 0) {
+        await page.mouse.up();
+        await page.mouse.move(x, y);
+        await page.mouse.down();
+      }
       const now = await offset();
       if (now === null || before === null) {
         before = now;
@@ -185,9 +199,25 @@ try {
       [before, then] = [now, at];
       const push = Math.min(Math.max(-0.35 * now - 0.35 * speed, -80), 80);
       await page.mouse.move(x + push, y);
-      if (i === 20) await shot("3-drag");
+      if (flight === 0 && i === 20) await shot("3-drag");
     }
     await page.mouse.up();
+  }
+
+  let drags = 0;
+  await step("a drag brings the cart to the person's goal", async () => {
+    // What a busy machine ends (two seconds without a picture) is flown again.
+    for (; drags === 0 || (await card("abandoned").count()) > 0; drags += 1) {
+      assert.ok(drags < 3, "three drags were broken off");
+      if (drags > 0) {
+        await page.keyboard.press("Enter");
+        await card("ready").waitFor();
+      }
+      await page.keyboard.press("Enter");
+      await page.locator(".card").waitFor({ state: "hidden" });
+      await drag(drags);
+      await page.locator(".card:not([hidden])").waitFor();
+    }
     await card("goal").waitFor();
     await shot("4-goal");
   });
@@ -222,6 +252,7 @@ try {
         [
           ["external", "abandoned"],
           ["external", "goal"],
+          ...Array(drags - 1).fill(["external", "abandoned"]),
           ["external", "abandoned"],
           ["external", "abandoned"],
         ],

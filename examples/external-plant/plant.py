@@ -19,8 +19,6 @@ REACH = 0.05  # how near (units) and how slow (units a second) counts as being t
 LIMIT_S = 30.0  # seconds an episode may last
 HELLO_WITHIN_S = 5.0  # for who connects to begin: a stranger who says nothing must not keep others out
 START_WITHIN_S = 600.0  # from being ready to the first tick; the person takes that time, and nothing moves yet
-# What a broken connection raises, and what a line raises that is no JSON or not what the protocol has.
-WRONG = (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError)
 
 
 class Cart:
@@ -69,7 +67,7 @@ class Cart:
             line = {"kind": "polygon", "points": [[x - REACH, -0.04], [x + REACH, -0.04], [x + REACH, 0.0], [x - REACH, 0.0]]}
             return {"role": "goal", "goal": index, "shapes": [line]}
 
-        rail = {"role": "ground", "shapes": [{"kind": "polygon", "points": [[-1.3, -0.3], [1.3, -0.3], [1.3, -0.04], [-1.3, -0.04]]}]}
+        rail = {"role": "ground", "shapes": [{"kind": "polygon", "points": [[-1.3, -0.3], [1.3, -0.3], [1.3, 0.0], [-1.3, 0.0]]}]}
         wheels = [{"kind": "disc", "center": [x, 0.03], "radius": 0.03} for x in (-0.06, 0.06)]
         cart = {"role": "body", "shapes": [box(0.1, 0.1, 0.04), *wheels]}
         return {
@@ -97,7 +95,7 @@ def say(connection, message):
 
 
 def fly(connection, cart):
-    """One episode: hello, begin, ticks, end. Raises one of WRONG if cohelm breaks off or is not cohelm."""
+    """One episode: hello, begin, ticks, end. Raises what Python raises if cohelm breaks off or is not cohelm."""
     connection.settimeout(HELLO_WITHIN_S)
     lines = connection.makefile("r", encoding="utf-8")
     say(connection, {"cohelm": 1, "name": cart.name, "ticks_per_second": cart.ticks_per_second, "space": cart.space})
@@ -130,7 +128,7 @@ def serve(connection, cart):
     """One episode, after which the cart stands still: whatever happened, and whatever was heard."""
     try:
         return fly(connection, cart)
-    except WRONG as error:
+    except Exception as error:  # a broken connection, or a line that is no JSON, not of the protocol, or too much for Python
         return f"lost, {type(error).__name__}: {error}"
     finally:
         cart.stop()
@@ -138,10 +136,14 @@ def serve(connection, cart):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--listen", type=int, default=5005, help="port on this machine; 0 for any free one")
+    parser.add_argument("--listen", type=int, default=5005, help="port on this machine, 5005 if none is named; 0 for any free one")
     parser.add_argument("--ticks-per-second", type=float, default=50.0, help="1 to 200")
     options = parser.parse_args()
-    with socket.create_server(("127.0.0.1", options.listen)) as server:
+    try:
+        server = socket.create_server(("127.0.0.1", options.listen))
+    except (OSError, OverflowError) as error:
+        sys.exit(f"cannot listen at port {options.listen}: {error}; try another with --listen")
+    with server:
         print(f"the cart listens at 127.0.0.1:{server.getsockname()[1]}", flush=True)
         while True:
             connection, _ = server.accept()

@@ -21,6 +21,26 @@ class Values(torch.nn.Module):
         return linear(x, self.of["value.weight"], self.of["value.bias"]) + advantage - advantage.mean(-1, keepdim=True)
 
 
+class Critic(torch.nn.Module):
+    """Q(s, a) of actions on axes in two towers: V(s) + w(s) · (φ(a) − φ̄), φ̄ the mean over some actions of reference."""
+
+    def __init__(self, file: bytes):
+        super().__init__()
+        of = {name.removeprefix("values."): tensor for name, tensor in load(file).items()}
+        self.action = of["action.weight"], of["action.bias"]
+        hidden = sum(name.startswith("state.hidden.") for name in of) // 2
+        names = [f"state.hidden.{layer}" for layer in range(hidden)] + ["state.output"]
+        self.state = [(of[f"{name}.weight"], of[f"{name}.bias"]) for name in names]
+
+    def forward(self, x):
+        for weight, bias in self.state[:-1]:
+            x = relu(linear(x, weight, bias))
+        return linear(x, *self.state[-1])
+
+    def embed(self, encoded):
+        return relu(linear(encoded, *self.action))
+
+
 class Intent(torch.nn.Module):
     def __init__(self, file: bytes, network: str):
         super().__init__()
@@ -46,10 +66,15 @@ def compare(models=None, seed=0):
     with torch.no_grad():
         for name, model in (models or cohelm.shipped()).items():
             if isinstance(model, cohelm.ValueModel):
-                network = Values(model.to_bytes())
-                inputs = draws.normal(size=(64, network.of["hidden.0.weight"].shape[1])).astype(np.float32)
-                theirs = network(torch.from_numpy(inputs)).numpy()
-                differences[name] = apart(theirs, model.forward(inputs))
+                axes = "values.action.weight" in load(model.to_bytes())
+                network = Critic(model.to_bytes()) if axes else Values(model.to_bytes())
+                width = (network.state[0][0] if axes else network.of["hidden.0.weight"]).shape[1]
+                inputs = draws.normal(size=(64, width)).astype(np.float32)
+                differences[name] = apart(network(torch.from_numpy(inputs)).numpy(), model.forward(inputs))
+                if axes:
+                    encoded = draws.normal(size=(64, network.action[0].shape[1])).astype(np.float32)
+                    theirs = network.embed(torch.from_numpy(encoded)).numpy()
+                    differences[f"{name}.action"] = apart(theirs, model.embed(encoded))
                 continue
             for part in ("regression", "calibrated"):
                 lstm = Intent(model.to_bytes(), part)

@@ -11,6 +11,7 @@ use cohelm_copilot::encode::ValueEncoder;
 use cohelm_copilot::model::{Network, ValueNetwork};
 use cohelm_copilot::values::NetworkValues;
 use cohelm_copilot::{Kind as ModelKind, Model, shipped as shipped_models};
+use cohelm_nn::critic::{CriticScratch, Feature};
 use cohelm_nn::lstm::LstmState;
 use cohelm_nn::mlp::MlpScratch;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -30,6 +31,9 @@ enum Source {
     Trained(Model),
     Layers(Arc<Layers>),
 }
+
+/// Adds a network's outputs for one row of inputs.
+type Forward<'a> = Box<dyn FnMut(&[f32], &mut Vec<f32>) + 'a>;
 
 /// A network of dense layers with ReLU between them, whose inputs are ours: state, then the goal relative to the plant.
 struct Layers {
@@ -195,41 +199,66 @@ impl ValueModel {
         Ok(PyArray1::from_vec(py, worth))
     }
 
-    /// The network's outputs for rows of inputs (float32, rows × inputs): what PyTorch gives with the same weights.
+    /// The network's outputs for rows of inputs (float32, rows × inputs): what PyTorch gives with the same weights. Those of
+    /// a critic of actions on axes are w(s), one number a feature, and then V(s).
     fn forward<'py>(
         &self,
         py: Python<'py>,
         inputs: PyReadonlyArray2<'py, f32>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let inputs = inputs.as_array();
-        let (rows, width) = inputs.dim();
-        let mut outputs = Vec::new();
-        match &self.source {
-            Source::Trained(model) => {
-                let network = match model.network() {
-                    Network::Values(ValueNetwork::Commands(network)) => network,
-                    Network::Values(ValueNetwork::Axes(_)) => {
-                        let message = "values of actions on axes come from a critic, which has no outputs of its own; \
-                                       ask for those of actions: assess(world, actions)";
-                        return Err(Kind::Model.error(message));
-                    }
-                    Network::Intent(_) => return Err(wrong_kind(model, ModelKind::Values)),
-                };
-                expect_inputs(network.shape().input(), width)?;
-                let mut scratch = MlpScratch::new(network.shape());
-                for row in inputs.rows() {
-                    outputs.extend_from_slice(network.forward(&row.to_vec(), &mut scratch));
-                }
-            }
+        let (rows, width) = inputs.as_array().dim();
+        let network: (usize, Forward<'_>) = match &self.source {
             Source::Layers(layers) => {
-                expect_inputs(layers.inputs(), width)?;
-                for row in inputs.rows() {
-                    outputs.extend(layers.forward(&row.to_vec()));
-                }
+                (layers.inputs(), Box::new(|row, outputs| outputs.extend(layers.forward(row))))
             }
+            Source::Trained(model) => match model.network() {
+                Network::Values(ValueNetwork::Commands(network)) => {
+                    let mut scratch = MlpScratch::new(network.shape());
+                    let forward = move |row: &[f32], outputs: &mut Vec<f32>| {
+                        outputs.extend_from_slice(network.forward(row, &mut scratch));
+                    };
+                    (network.shape().input(), Box::new(forward))
+                }
+                Network::Values(ValueNetwork::Axes(critic)) => {
+                    let mut scratch = CriticScratch::new(critic.shape());
+                    let look = move |row: &[f32], outputs: &mut Vec<f32>| {
+                        critic.look(row, &mut scratch);
+                        outputs.extend_from_slice(scratch.outputs());
+                    };
+                    (critic.shape().input(), Box::new(look))
+                }
+                Network::Intent(_) => return Err(wrong_kind(model, ModelKind::Values)),
+            },
+        };
+        let (expected, mut forward) = network;
+        expect_inputs(expected, width)?;
+        let mut outputs = Vec::new();
+        for row in inputs.as_array().rows() {
+            forward(&row.to_vec(), &mut outputs);
         }
         let columns = outputs.len().checked_div(rows).unwrap_or(0);
         PyArray1::from_vec(py, outputs).reshape([rows, columns])
+    }
+
+    /// What a critic of actions on axes makes of encoded actions, φ (float32, rows × features), for rows of the numbers that
+    /// encode an action (float32, rows × encoded).
+    fn embed<'py>(
+        &self,
+        py: Python<'py>,
+        encoded: PyReadonlyArray2<'py, f32>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let Some(Network::Values(ValueNetwork::Axes(critic))) = self.trained().map(Model::network) else {
+            return Err(Kind::Model.error("only a critic of actions on axes embeds actions; see forward"));
+        };
+        let encoded = encoded.as_array();
+        expect_inputs(critic.shape().action(), encoded.ncols())?;
+        let width = critic.shape().width();
+        let mut features = vec![0.0; encoded.nrows() * width];
+        for (row, features) in encoded.rows().into_iter().zip(features.chunks_exact_mut(width)) {
+            let action: Vec<Feature> = row.iter().copied().enumerate().collect();
+            critic.embed(&action, features);
+        }
+        PyArray1::from_vec(py, features).reshape([encoded.nrows(), width])
     }
 }
 

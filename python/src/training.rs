@@ -53,13 +53,14 @@ pub fn train_values(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(ValueModel, String)> {
     let order = order(order_json)?;
-    let preset = order.preset.as_deref().unwrap_or("default");
+    let (plants, task) = (plants(), order.task());
+    let space = plants.make(&task).map_err(|error| Kind::Option.error(error))?.space().clone();
+    let entry = plants.entry(&task).map_err(|error| Kind::Option.error(error))?;
+    let preset = order.preset.as_deref().unwrap_or_else(|| ValueOptions::usual_preset(entry, &space));
     let usual = ValueOptions::preset(preset).map_err(|error| Kind::Option.error(error))?;
     let options: ValueOptions = changed(&usual, &order.changes)?;
     let trained = with_watch(py, progress, |watch| {
-        let (plants, task) = (plants(), order.task());
-        let variant = (!["default", "gymnasium"].contains(&preset)).then_some(preset);
-        let job = order.job(&plants, &task, variant);
+        let job = order.job(&plants, &task, ValueOptions::variant(preset, entry));
         let pilots = |plant: &dyn Plant, number: u64| pilot(&plants, &task, plant, number);
         cohelm_learn::train_values(&job, &options, Some(&pilots), watch)
     })?;

@@ -28,8 +28,12 @@ def test_it_says_what_actions_are_worth(critic):
         critic.assess(world, actions, goal=3)
     with pytest.raises(cohelm.ActionError, match=r"shape \(1, 2\)"):
         critic.assess(world, np.zeros((1, 3), np.float32))
-    with pytest.raises(cohelm.ModelError, match="assess"):
+    with pytest.raises(cohelm.ArrayError, match=r"rows of .* inputs, got 3"):
         critic.forward(np.zeros((1, 3), np.float32))
+    with pytest.raises(cohelm.ArrayError, match=r"rows of .* inputs, got 3"):
+        critic.embed(np.zeros((1, 3), np.float32))
+    with pytest.raises(cohelm.ModelError, match="only a critic"):
+        cohelm.shipped()["flag-lander-switches.values"].embed(np.zeros((1, 3), np.float32))
     with pytest.raises(cohelm.ModelError, match="does not fit"):
         critic.assess(cohelm.World("flag-lander"), np.zeros(1, np.int64))
 

@@ -4,6 +4,8 @@
 //! where it must be; [`ValueOptions::default`] adds what it needed to land. `docs/training.md` numbers the departures.
 
 use crate::job::LearnError;
+use cohelm::action::ActionSpace;
+use cohelm::registry::PlantEntry;
 use serde::{Deserialize, Serialize};
 
 /// Options of [`train_values`](crate::train_values).
@@ -197,6 +199,20 @@ impl ValueOptions {
                 reason: format!("there is none called {name:?}; there are: {}", PRESETS.join(", ")),
             }),
         }
+    }
+
+    /// The preset for a plant and its actions unless another is named: the plant's own, or `axes` where that is `default`
+    /// and the actions are on axes.
+    pub fn usual_preset(entry: &PlantEntry, space: &ActionSpace) -> &'static str {
+        match space {
+            ActionSpace::Axes { .. } if entry.preset == "default" => "axes",
+            _ => entry.preset,
+        }
+    }
+
+    /// What a model's card calls values that were trained with a preset; `None` for the usual ones of a plant.
+    pub fn variant<'a>(preset: &'a str, entry: &PlantEntry) -> Option<&'a str> {
+        (preset != entry.preset && !["default", "axes"].contains(&preset)).then_some(preset)
     }
 
     /// The default for actions on axes. A critic learns them at half the rate: at the rate of commands it forgets again and

@@ -232,6 +232,12 @@ impl CriticScratch {
     pub fn new(shape: &CriticShape) -> Self {
         Self { state: MlpScratch::new(&shape.state) }
     }
+
+    /// What the state's tower found in the state that was looked at last: w(s), one number a feature, and then V(s).
+    #[must_use]
+    pub fn outputs(&self) -> &[f32] {
+        self.state.outputs()
+    }
 }
 
 #[cfg(test)]

@@ -223,7 +223,9 @@ class ValueModel:
     ) -> NDArray[np.float32]:
         """What actions are worth in a world as it is now, shape (actions,): commands (actions,) or axes (actions, axes)."""
     def forward(self, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
-        """The network's outputs for rows of inputs, shape (rows, outputs)."""
+        """The network's outputs for rows of inputs, shape (rows, outputs); those of a critic of axes are w(s), then V(s)."""
+    def embed(self, encoded: NDArray[np.float32]) -> NDArray[np.float32]:
+        """What a critic of axes makes of encoded actions, shape (rows, features)."""
 
 @final
 class IntentModel:

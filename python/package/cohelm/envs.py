@@ -158,7 +158,7 @@ class PlantTask(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode. ``seed`` fixes it and those that follow without one."""
         super().reset(seed=seed)
-        if seed is not None and not 0 <= seed < MOST_SEED:
+        if seed is not None and not 0 <= seed <= MOST_SEED:
             raise OptionError(f"a seed lies between 0 and 2**53, got {seed}")
         episode = seed if seed is not None else int(self.np_random.integers(MOST_SEED))
         self.world.reset(episode)

@@ -64,6 +64,7 @@ def _kept(info: dict[str, Any], env: Any) -> dict[str, Any]:
     if isinstance(env, PlantTask) and env.world.commands:
         kept["executed"] = np.int64(info.get("executed", -1))
         kept["confidence"] = np.float32(info.get("confidence", 0.0))
-        kept["inferred_goal"] = np.int64(info.get("goal", -1))
+        # Where nothing was decided yet, or nobody infers, `goal` is the pilot's own.
+        kept["inferred_goal"] = np.int64(info["goal"] if "confidence" in info else -1)
         kept["goal"] = np.int64(env.world.pilot_goal)
     return kept

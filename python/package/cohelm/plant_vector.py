@@ -125,7 +125,7 @@ class PlantTaskVector(VectorEnv):
 
     def _episode(self, world: int, seed: int | None) -> int:
         """The seed of the episode that a world begins now: as a single environment would choose it."""
-        if seed is not None and not 0 <= seed < MOST_SEED:
+        if seed is not None and not 0 <= seed <= MOST_SEED:
             raise OptionError(f"a seed lies between 0 and 2**53, got {seed}")
         if seed is not None or self._numbers[world] is None:
             self._numbers[world] = seeding.np_random(None if seed is None else int(seed))[0]

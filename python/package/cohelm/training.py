@@ -27,12 +27,12 @@ def train_values(
 ) -> tuple[ValueModel, dict[str, Any]]:
     """Trains values from nothing by double DQN: ten seconds or so for the lander.
 
-    ``options`` are the plant's, ``changes`` differ from the ``preset`` of training. The same seed gives the same weights for
+    ``options`` are the plant's, ``changes`` differ from the ``preset`` of training (by default that of ``cohelm train``:
+    ``axes`` for actions on axes, otherwise the plant's own). The same seed gives the same weights for
     any number of threads. ``progress`` is called with (stage, done, total). Ctrl-C stops between two rounds; with a folder
     for ``checkpoints`` the same call then goes on. Returns the model and how it did.
     """
-    usual = "gymnasium" if plant == "gymnasium-lander" else "default"
-    order = _order(plant, options, preset or usual, changes, seed, threads, name, checkpoints)
+    order = _order(plant, options, preset, changes, seed, threads, name, checkpoints)
     model, report = _native.train_values(order, progress)
     return model, json.loads(report)
 

@@ -29,6 +29,7 @@ def test_what_is_loaded_is_what_was_flown():
     for number, episode in enumerate(data.iterate_episodes()):
         observation, _ = again.reset(seed=5 + number)
         assert np.array_equal(episode.observations[0], observation)
+        assert episode.infos["inferred_goal"][0] == -1, "nothing was inferred yet"
         for step, action in enumerate(episode.actions):
             observation, reward, terminated, truncated, tick = again.step(action)
             assert np.array_equal(episode.observations[step + 1], observation) and episode.rewards[step] == reward

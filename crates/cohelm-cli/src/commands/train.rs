@@ -97,7 +97,7 @@ impl Train {
         let (plant, entry) = (plants.make(&task)?, plants.entry(&task)?);
         let name = self.name.clone().unwrap_or_else(|| usual_name(&task, entry));
         let preset = self.preset_name(entry, plant.space());
-        let variant = (preset != entry.preset && !["default", "axes"].contains(&preset)).then_some(preset);
+        let variant = ValueOptions::variant(preset, entry);
         let job = Job {
             plants: &plants,
             task: &task,
@@ -184,8 +184,7 @@ impl Train {
     }
 
     fn preset_name<'a>(&'a self, entry: &'a PlantEntry, space: &ActionSpace) -> &'a str {
-        let axes = matches!(space, ActionSpace::Axes { .. }) && entry.preset == "default";
-        self.preset.as_deref().unwrap_or(if axes { "axes" } else { entry.preset })
+        self.preset.as_deref().unwrap_or_else(|| ValueOptions::usual_preset(entry, space))
     }
 
     /// Makes the models of all recipes, beside the file that holds them.

@@ -269,7 +269,7 @@ fn figure(compared: &Compared) -> Result<Figure, CompareError> {
     }
     let scatter = ParetoScatter {
         heading: Heading::new("What help costs", compared.bench.name.clone()),
-        x: (Axis::share("How much of what was asked was replaced"), Better::Lower),
+        x: (Axis::share("How much of what was asked was replaced").from_zero(), Better::Lower),
         y: (Axis::share("Success rate"), Better::Higher),
         conditions: Conditions::with_colours(words.zip(COLOURS.into_iter().cycle())),
         points,

@@ -121,7 +121,7 @@ mod tests {
     use std::thread::sleep;
     use tokio::time::timeout;
 
-    const A_WHILE: Duration = Duration::from_millis(50);
+    const A_WHILE: Duration = Duration::from_millis(250);
 
     #[test]
     fn who_speaks_but_shows_nothing_newer_is_silent() {

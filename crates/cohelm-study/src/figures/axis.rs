@@ -40,6 +40,11 @@ impl Axis {
         Axis { title: title.into(), percent: false, extent: Extent::Data }
     }
 
+    /// The same axis, but from zero to the data: where shares are all small.
+    pub fn from_zero(self) -> Self {
+        Axis { extent: Extent::FromZero, ..self }
+    }
+
     /// The same axis, but covering the data only: shows small differences between large values.
     pub fn zoomed(self) -> Self {
         Axis { extent: Extent::Data, ..self }

@@ -155,14 +155,21 @@ impl ParetoScatter {
                 taken.push(between(ends[0], ends[1]));
             }
         }
+        let mut labels = Vec::new();
+        for (point, at) in self.points.iter().zip(&places) {
+            let placed = best_label(&point.label, *at, area, &taken);
+            taken.push(placed.covers);
+            labels.push(placed);
+        }
+        for (label, at) in labels.iter().zip(&places) {
+            if label.is_led {
+                scene.line([*at, label.end], Stroke::solid(Colour::QUIET, 1.0));
+            }
+        }
         for (point, at) in self.points.iter().zip(&places) {
             frame::dot(scene, &self.conditions.as_slice()[point.condition], *at, 7.0);
         }
-        for (point, at) in self.points.iter().zip(&places) {
-            let (label, place) = best_label(&point.label, *at, area, &taken);
-            taken.push(place);
-            scene.label(label);
-        }
+        labels.into_iter().for_each(|placed| scene.label(placed.label));
     }
 
     /// Says in a corner which way is better.
@@ -230,38 +237,59 @@ fn between(a: (f64, f64), b: (f64, f64)) -> Area {
     }
 }
 
-/// The label at that side of its point where it covers least of what is there already.
-fn best_label(text: &str, at: (f64, f64), within: &Area, taken: &[Area]) -> (Label, Area) {
+/// A label that has found its place.
+struct Placed {
+    label: Label,
+    covers: Area,
+    /// Its end towards the point.
+    end: (f64, f64),
+    /// So far from the point that a line leads to it.
+    is_led: bool,
+}
+
+/// Sides of a point on which its label may stand: where to, in the distance of the nearest, and which of its ends is there.
+const SIDES: [(f64, f64, Anchor); 8] = [
+    (12.0, 0.0, Anchor::Start),
+    (-12.0, 0.0, Anchor::End),
+    (0.0, -17.0, Anchor::Middle),
+    (0.0, 17.0, Anchor::Middle),
+    (11.0, -14.0, Anchor::Start),
+    (11.0, 14.0, Anchor::Start),
+    (-11.0, -14.0, Anchor::End),
+    (-11.0, 14.0, Anchor::End),
+];
+/// How many times as far a label may stand, and what each costs beside what is covered, in square pixels.
+const DISTANCES: [(f64, f64); 5] = [(1.0, 0.0), (2.2, 60.0), (3.5, 110.0), (5.0, 160.0), (7.0, 220.0)];
+
+/// The label at that side and distance of its point where it covers least of what is there already.
+fn best_label(text: &str, at: (f64, f64), within: &Area, taken: &[Area]) -> Placed {
     let wide = width(text, Weight::Regular, SMALL);
-    let sides = [
-        (12.0, 0.0, Anchor::Start),
-        (-12.0, 0.0, Anchor::End),
-        (0.0, -17.0, Anchor::Middle),
-        (0.0, 17.0, Anchor::Middle),
-        (11.0, -14.0, Anchor::Start),
-        (11.0, 14.0, Anchor::Start),
-        (-11.0, -14.0, Anchor::End),
-        (-11.0, 14.0, Anchor::End),
-    ];
-    let placed = sides.map(|(dx, dy, anchor)| {
-        let (x, y) = (at.0 + dx, at.1 + dy);
-        let left = match anchor {
-            Anchor::Start => x,
-            Anchor::Middle => x - wide / 2.0,
-            Anchor::End => x - wide,
-        };
-        let place = Area { left, right: left + wide, top: y - 8.0, bottom: y + 8.0 };
-        (Label::new(text, x, y, SMALL).anchored(anchor).on_middle(), place)
-    });
-    let cost =
-        |place: &Area| taken.iter().map(|other| overlap(place, other)).sum::<f64>() + outside(place, within);
-    let mut best = 0;
-    for i in 1..placed.len() {
-        if cost(&placed[i].1) + 1e-6 < cost(&placed[best].1) {
-            best = i;
+    let cost = |place: &Area| {
+        taken.iter().map(|other| overlap(place, other)).sum::<f64>() + 10.0 * outside(place, within)
+    };
+    let mut best: Option<(f64, Placed)> = None;
+    for (times, dear) in DISTANCES {
+        for (dx, dy, anchor) in SIDES {
+            let (x, y) = (at.0 + times * dx, at.1 + times * dy);
+            let left = match anchor {
+                Anchor::Start => x,
+                Anchor::Middle => x - wide / 2.0,
+                Anchor::End => x - wide,
+            };
+            let covers = Area { left, right: left + wide, top: y - 8.0, bottom: y + 8.0 };
+            let cost = dear + cost(&covers);
+            if best.as_ref().is_none_or(|(least, _)| cost + 1e-6 < *least) {
+                let label = Label::new(text, x, y, SMALL).anchored(anchor).on_middle();
+                let end = match anchor {
+                    Anchor::Middle => (x, y - 8.0 * dy.signum()),
+                    Anchor::Start => (x - 2.0, y),
+                    Anchor::End => (x + 2.0, y),
+                };
+                best = Some((cost, Placed { label, covers, end, is_led: times > 1.0 }));
+            }
         }
     }
-    placed[best].clone()
+    best.expect("there are sides").1
 }
 
 fn overlap(a: &Area, b: &Area) -> f64 {
