@@ -175,16 +175,21 @@ function paintGround(pen: Pen, view: View, scene: Scene, part: Part, random: Ran
     pen.fillStyle = fill;
     pen.fill();
     pen.clip();
-    paintStones(pen, view, random);
-    paintRim(pen, view, shape);
+    paintStones(pen, view, grain(view, scene), random);
+    paintRim(pen, view, grain(view, scene), shape);
     pen.restore();
     strokeWorld(pen, view, shape, GROUND.edge, 2);
   }
 }
 
+/** How coarse the ground is painted, in pixels: by the share of the scene, since worlds have units of their own. */
+function grain(view: View, scene: Scene): number {
+  const [west, , east] = scene.bounds;
+  return (view.scale * (east - west)) / 800;
+}
+
 /** Light that falls on the ground's edge, and layers below it. */
-function paintRim(pen: Pen, view: View, shape: Shape): void {
-  const unit = view.scale / 40;
+function paintRim(pen: Pen, view: View, unit: number, shape: Shape): void {
   for (const [width, alpha] of [
     [46, 0.05],
     [26, 0.07],
@@ -201,8 +206,7 @@ function paintRim(pen: Pen, view: View, shape: Shape): void {
   }
 }
 
-function paintStones(pen: Pen, view: View, random: Random): void {
-  const size = view.scale / 40;
+function paintStones(pen: Pen, view: View, size: number, random: Random): void {
   for (let i = 0; i < 260; i += 1) {
     const [x, y, large] = [random() * view.width, view.height * (0.55 + 0.45 * random()), random() ** 3];
     pen.fillStyle = random() < 0.55 ? 'rgba(8, 12, 24, 0.3)' : 'rgba(190, 208, 245, 0.1)';

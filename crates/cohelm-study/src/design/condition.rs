@@ -211,10 +211,11 @@ struct ConditionTable {
     rule: RuleName,
     /// tolerance: 0 allows only a best action, 1 every action. Usual: 0.5 to 0.8.
     alpha: Option<f64>,
-    /// misc-r, misc-h: regret allowed, in median ranges of the values. Usual: 0.5 to 1.5 for commands, 0.1 to 0.5 for axes.
-    /// Default: 0.7, 1.25 for misc-h, which suit commands; on axes give one, such as 0.2.
+    /// misc-r, misc-h: regret allowed, in median ranges of the values. Usual: 0.5 to 1.5 for commands; for axes 0.1 to 0.5, 0.6
+    /// to 1 for misc-h. Default: 0.7, 1.25 for misc-h, which suit commands; on axes give 0.2, 1 for misc-h.
     kappa: Option<f64>,
-    /// misc-h: share of `kappa` allowed at the tick after an intervention, 0 to 1; less holds on longer. Default: 0.5.
+    /// misc-h: share of `kappa` allowed at the tick after an intervention, 0 to 1; less holds on longer. Default: 0.5; on
+    /// axes give 0.25.
     release: Option<f64>,
     /// line-graph: confidence up to which the person alone flies, 0 to 1. Default: 0.2.
     start: Option<f64>,

@@ -93,27 +93,30 @@ fn untranslated(design: &Design) -> Option<String> {
     })
 }
 
-/// The largest κ that is usual on axes; there 0.2 does what 0.7 to 1 does with commands (`docs/continuous.md`).
+/// The largest κ of MISC-R that is usual on axes; there 0.2 does what 0.7 to 1 does with commands (`docs/continuous.md`).
 const MOST_KAPPA_ON_AXES: f64 = 0.5;
+/// For MISC-H, which holds on longer: κ before an intervention, and κ · `release` after one
+/// (`docs/measured/compare/tuning.csv`).
+const MOST_HELD_KAPPA_ON_AXES: (f64, f64) = (1.0, 0.3);
 
 fn regret_on_axes(design: &Design, facts: Option<&PlantFacts>) -> Option<String> {
     if !facts?.axes {
         return None;
     }
     let lenient = |condition: &Condition| match condition.rule {
-        Rule::MiscR { kappa } | Rule::MiscH { kappa, .. } if kappa > MOST_KAPPA_ON_AXES => {
-            Some(format!("κ = {kappa} ({})", condition.name))
+        Rule::MiscR { kappa } if kappa > MOST_KAPPA_ON_AXES => {
+            Some(format!("κ = {kappa} ({}; try 0.2, usual are 0.1 to 0.5)", condition.name))
+        }
+        Rule::MiscH { kappa, release }
+            if kappa > MOST_HELD_KAPPA_ON_AXES.0 || kappa * release > MOST_HELD_KAPPA_ON_AXES.1 =>
+        {
+            Some(format!("κ = {kappa}, release = {release} ({}; try 1 and 0.25)", condition.name))
         }
         _ => None,
     };
     let found: Vec<String> = design.conditions.iter().filter_map(lenient).collect();
-    (!found.is_empty()).then(|| {
-        format!(
-            "On axes {} lets nearly everything through; 0.2 does there what 0.7 to 1 does with commands. Try kappa = 0.2; \
-             usual are 0.1 to 0.5.",
-            found.join(", ")
-        )
-    })
+    (!found.is_empty())
+        .then(|| format!("On axes nearly everything is let through with {}.", found.join(", ")))
 }
 
 fn slow_limit(design: &Design, facts: Option<&PlantFacts>) -> Option<String> {
